@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <octet/core/refine/refiner.h>
+
+#include "control_asset.h"
+
+namespace octet {
+
+/// How an asset's forms meet the boundary: as each form says (automaticMode), or all alike.
+enum class BoundaryChoice : std::uint8_t { Auto, Walls, Open };
+
+/// The mode for one form; of an animated form, one mode for all frames.
+BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryChoice choice);
+
+/// Writes the finest complex of a refiner and the asset's forms on it: vertices, edges, facets,
+/// tetrahedra, octahedra, and for each form its degree and dense values (of frame `frame`).
+void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
+                          int frame, const std::string& path);
+
+}  // namespace octet

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "targets.h"
+
+#include <octet/core/base/error.h>
+
+namespace octet {
+
+const std::vector<Target>& targets() {
+  static const std::vector<Target> table = {
+      // name, velocity, up, cornered, fog, note
+      {"openvdb", "", 0, false, false, "grids are named after their forms"},
+      {"blender", "velocity", 'Z', true, false,
+       "set the volume's velocity unit to seconds (velocity_unit = 'SECOND')"},
+      {"houdini", "vel", 'Y', false, false, ""},
+      {"arnold", "velocity", 0, false, false, "units per second; velocity_fps 24"},
+      {"renderman", "velocity", 0, false, true, "one file per frame"},
+  };
+  return table;
+}
+
+const Target& findTarget(const std::string& name) {
+  std::string names;
+  for (const Target& target : targets()) {
+    if (target.name == name) return target;
+    names += (names.empty() ? "" : ", ") + std::string(target.name);
+  }
+  throw InputError("target", "\"" + name + "\" is none of " + names);
+}
+
+Vec3 changeUpAxis(const Vec3& v, char from, char to) {
+  if (to == 0 || from == to) return v;
+  return from == 'Z' ? Vec3(v[0], v[2], -v[1]) : Vec3(v[0], -v[2], v[1]);
+}
+
+}  // namespace octet

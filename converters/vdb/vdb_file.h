@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <octet/core/field/field.h>
+#include <octet/core/field/rasterizer.h>
+
+namespace octet {
+
+/// A piece of grid or file metadata.
+struct VdbMetadata {
+  std::string name;
+  std::variant<std::string, double, std::int32_t> value;
+};
+
+/// How a field becomes an OpenVDB grid.
+struct VdbGridSpec {
+  enum class Class { Unknown, Staggered, Fog };
+  enum class VectorType { Covariant, ContravariantRelative };
+
+  std::string name;
+  Class gridClass = Class::Unknown;
+  VectorType vectorType = VectorType::ContravariantRelative;  ///< of a vector grid
+  GridFrame frame;                                            ///< where samples are taken
+  Vec3 shift = Vec3::Zero();  ///< by which the written transform differs from the frame
+  Sampling sampling = Sampling::Collocated;
+  bool half = false;  ///< save as 16-bit floats
+  std::vector<VdbMetadata> metadata;
+};
+
+/// What was put into a grid, or found in one.
+struct VdbGridInfo {
+  std::string name, type, gridClass, vectorType;
+  double voxelSize = 0;
+  std::uint64_t activeVoxels = 0, leaves = 0;
+  double min = 0, max = 0;  ///< of active values; of the length, for vectors
+  std::array<std::int32_t, 3> indexMin{}, indexMax{};
+  bool half = false;
+  std::vector<VdbMetadata> metadata;
+};
+
+/// @brief Collects grids and writes them to one .vdb file, which appears complete or not at all.
+/// Grids are filled leaf by leaf in parallel; voxels outside the domain stay inactive.
+class VdbFile {
+ public:
+  VdbFile();
+  ~VdbFile();
+  VdbFile(VdbFile&&) noexcept;
+
+  /// Samples a field on a grid: vectors to vec3s, scalars to float.
+  /// @throws InputError (voxel size), Cancelled
+  VdbGridInfo add(const VectorField& field, const VdbGridSpec& spec,
+                  const ProgressCallback& progress = {});
+  VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec,
+                  const ProgressCallback& progress = {});
+
+  /// @throws IoError
+  void write(const std::string& path, const std::vector<VdbMetadata>& fileMetadata = {}) const;
+
+ private:
+  struct Grids;
+  std::unique_ptr<Grids> grids_;
+};
+
+/// Reads what a .vdb holds. @throws InputError when it cannot be read.
+std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
+                                     std::vector<VdbMetadata>* fileMetadata = nullptr);
+
+}  // namespace octet

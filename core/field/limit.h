@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "../analysis/limit_masks.h"
+#include "../refine/refiner.h"
+
+namespace octet {
+
+/// @brief Limits at the vertices of a refiner's finest level (scheme.md sections 5 and 9): one
+/// value or vector per vertex, to be interpolated linearly. Second-order accurate, while piecewise
+/// Whitney forms are first-order and jump.
+///
+/// Values and positions: exact masks at regular vertices and on the boundary (Loop's and the cubic
+/// B-spline's), elsewhere the smoothed value that agrees with the regular mask to fourth order.
+/// Vectors: exact masks at regular vertices, mapped to space by the positions' own mask so that
+/// constants are exact on deformed lattices too; elsewhere the least-squares linear field through
+/// the coefficients of the star. On walls whose coefficients are all 0 vectors are tangential
+/// (2-forms) or normal (1-forms), exactly.
+///
+/// Built once per refiner, applied to any number of forms; const members are thread safe. The
+/// refiner must outlive it.
+class Limit {
+ public:
+  explicit Limit(const Refiner& refiner);
+
+  /// Limit positions of the vertices, world units.
+  const Array<Vec3>& positions() const { return positions_; }
+
+  /// Limit values of a 0-form on the finest level.
+  Array<double> values(const Cochain<0>& form) const;
+  /// Limit vectors of a 1-form (per world unit of length).
+  Array<Vec3> vectors(const Cochain<1>& form, BoundaryMode mode) const;
+  /// Limit flux density of a 2-form (per world unit of area).
+  Array<Vec3> vectors(const Cochain<2>& form, BoundaryMode mode) const;
+  /// Limit density of a 3-form (per world unit of volume).
+  Array<double> densities(const Cochain<3>& form) const;
+
+ private:
+  template <typename At>
+  double valueAt(Index vertex, const At& at) const;
+  template <int K>
+  Array<Vec3> vectorsOf(const Cochain<K>& form, BoundaryMode mode) const;
+  template <int K>
+  Vec3 regularVector(Index site, const double* form) const;
+  template <int K>
+  Vec3 fittedVector(Index vertex, const double* form) const;
+  Eigen::Matrix3d tangentialProjection(Index boundaryRow) const;
+  void prepareWalls();
+
+  const Refiner& refiner_;
+  const Complex& c_;
+  const LatticeSites& sites_;
+  const Array<Vec3>& coefficientPositions_;  // of the finest level, to which coefficients refer
+  LimitMasks masks_;
+  Array<Vec3> positions_;
+  std::vector<Eigen::Matrix3d> walls_;  // per boundary row: projection along the wall
+};
+
+}  // namespace octet

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "../base/progress.h"
+#include "piece_source.h"
+
+namespace octet {
+
+/// A uniform grid: sample ijk lies at origin + voxelSize * (i, j, k), world units.
+struct GridFrame {
+  Vec3 origin = Vec3::Zero();
+  double voxelSize = 1;
+};
+
+/// Where a vector's components are sampled.
+enum class Sampling : std::uint8_t {
+  Collocated,  ///< all at ijk
+  Staggered,   ///< x at (i-1/2, j, k), y at (i, j-1/2, k), z at (i, j, k-1/2)
+};
+
+/// @brief 8 x 8 x 8 samples, in the order of an OpenVDB leaf: (x * 8 + y) * 8 + z. Components of
+/// inactive samples are 0; a staggered sample is active when any of its components is.
+template <int C>
+struct Tile {
+  static constexpr int kWidth = 8, kSize = 512;
+  std::array<std::int32_t, 3> origin;  ///< of its first sample, multiples of 8
+  std::array<std::array<double, kSize>, C> values;
+  std::array<std::uint64_t, 8> active;  ///< bit y * 8 + z of word x
+
+  bool isActive(int n) const { return active[n >> 6] >> (n & 63) & 1u; }
+};
+
+/// @brief Samples a field on a grid, tile by tile, in parallel: cells are binned to the tiles they
+/// meet, and every tile is filled by one task, cells in ascending order, so that the result does
+/// not depend on threads.
+///
+/// @param sink  called once per tile with at least one active sample, from any thread, in no
+///              particular order
+/// @param progress  counts tiles; called from the calling thread
+/// @throws InputError when the grid needs indices beyond 2^30, Cancelled
+template <int C>
+void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
+               const std::function<void(const Tile<C>&)>& sink, const std::string& stage = "",
+               const ProgressCallback& progress = {});
+
+}  // namespace octet

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "refiner.h"
+
+#include "../base/parallel.h"
+#include "../forms/coboundary.h"
+#include "../topology/split.h"
+
+namespace octet {
+namespace {
+constexpr int kMostLevels = 12;
+}  // namespace
+
+/// A level with the operators that lead to it from the one before.
+struct Refiner::Level {
+  std::shared_ptr<const Complex> complex;
+  Array<Vec3> positions;
+  Boundary boundary;
+  LatticeSites sites;
+  std::unique_ptr<Smoothing> smoothing;
+  std::unique_ptr<PatchTest> patchTest;
+};
+
+Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
+    : options_(options),
+      linear_(options.zeta),
+      kernels_(std::make_unique<CellKernels>(options.zeta)),
+      scratch_(std::make_unique<ScratchPool>()) {
+  if (options.levels < 0 || options.levels > kMostLevels) {
+    throw InputError("levels", std::to_string(options.levels) + " is not between 0 and " +
+                                   std::to_string(kMostLevels));
+  }
+  if (!std::isfinite(options.zeta)) throw InputError("zeta", "is not a finite number");
+  auto control = std::make_unique<Level>();
+  control->complex = mesh.complex();
+  control->positions = mesh.positions();
+  control->boundary = Boundary(*control->complex, mesh.corners(), nullptr);
+  if (options.levels == 0) control->sites = LatticeSites(*control->complex);
+  levels_.push_back(std::move(control));
+  for (int k = 1; k <= options.levels; ++k) {
+    const Level& coarse = *levels_.back();
+    reportProgress(options.progress,
+                   {"build level " + std::to_string(k), 0,
+                    static_cast<std::size_t>(splitCellCount(*coarse.complex)), "cells"});
+    auto fine = std::make_unique<Level>();
+    fine->complex = split(coarse.complex);
+    fine->boundary = Boundary(*fine->complex, mesh.corners(), &coarse.boundary);
+    fine->sites = LatticeSites(*fine->complex);
+    fine->positions.resize(fine->complex->vertexCount());
+    if (options.smooth) {
+      fine->smoothing = std::make_unique<Smoothing>(*fine->complex, fine->boundary, fine->sites,
+                                                    *kernels_, scratch_.get());
+    }
+    Array<double> before(coarse.complex->vertexCount()), linear(fine->complex->vertexCount()),
+        after(fine->complex->vertexCount());
+    for (int axis = 0; axis < 3; ++axis) {
+      parallelFor<Index>(coarse.complex->vertexCount(),
+                         [&](Index v) { before[v] = coarse.positions[v][axis]; });
+      linear_.apply0(*coarse.complex, before.data(), linear.data());
+      if (options.smooth) fine->smoothing->apply0(before.data(), linear.data(), after.data());
+      const Array<double>& result = options.smooth ? after : linear;
+      parallelFor<Index>(fine->complex->vertexCount(),
+                         [&](Index v) { fine->positions[v][axis] = result[v]; });
+    }
+    if (options.smooth) {
+      fine->patchTest = std::make_unique<PatchTest>(*fine->complex, fine->boundary, linear_,
+                                                    *kernels_, *fine->smoothing, scratch_.get(),
+                                                    coarse.positions, fine->positions);
+    }
+    levels_.push_back(std::move(fine));
+    const std::size_t cells = static_cast<std::size_t>(levels_.back()->complex->cellCount());
+    reportProgress(options.progress, {"build level " + std::to_string(k), cells, cells, "cells"});
+  }
+}
+
+Refiner::~Refiner() = default;
+Refiner::Refiner(Refiner&&) noexcept = default;
+Refiner& Refiner::operator=(Refiner&&) noexcept = default;
+
+int Refiner::levels() const { return static_cast<int>(levels_.size()) - 1; }
+const Complex& Refiner::complex(int level) const { return *levels_.at(level)->complex; }
+std::shared_ptr<const Complex> Refiner::sharedComplex(int level) const {
+  return levels_.at(level)->complex;
+}
+const Array<Vec3>& Refiner::positions(int level) const { return levels_.at(level)->positions; }
+const Boundary& Refiner::boundary(int level) const { return levels_.at(level)->boundary; }
+const LatticeSites& Refiner::sites(int level) const { return levels_.at(level)->sites; }
+
+template <int K>
+Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode) const {
+  const Complex& coarse = complex(level);
+  const Complex& fine = complex(level + 1);
+  const Level& to = *levels_.at(level + 1);
+  if (form.size() != coarse.count(K)) {
+    throw InputError("", "a form of degree " + std::to_string(K) + " on level " +
+                             std::to_string(level) + " has " + std::to_string(coarse.count(K)) +
+                             " coefficients, not " + std::to_string(form.size()));
+  }
+  Cochain<K> result(fine);
+  auto loan = scratch_->take(to.smoothing ? result.size() : 0);
+  double* const linear = to.smoothing ? loan.data() : result.data();
+  const Correction correction{to.patchTest.get(), mode};
+  if constexpr (K == 0) {
+    linear_.apply0(coarse, form.data(), linear);
+    if (to.smoothing) to.smoothing->apply0(form.data(), linear, result.data());
+  } else if constexpr (K == 1) {
+    linear_.apply1(coarse, form.data(), linear);
+    if (to.smoothing) to.smoothing->apply1(form.data(), linear, correction, result.data());
+  } else if constexpr (K == 2) {
+    linear_.apply2(coarse, form.data(), linear);
+    if (to.smoothing) to.smoothing->apply2(form.data(), linear, correction, result.data());
+  } else {
+    linear_.apply3(coarse, fine, form.data(), linear);
+    if (to.smoothing) to.smoothing->apply3(form.data(), linear, result.data());
+  }
+  return result;
+}
+
+template <int K>
+Cochain<K> Refiner::refine(Cochain<K> form, BoundaryMode mode) const {
+  for (int level = 0; level < levels(); ++level) form = step(level, form, mode);
+  return form;
+}
+
+template <int K>
+BoundaryMode automaticMode(const Complex& control, const Cochain<K>& form) {
+  for (Index k = 0; k < form.size(); ++k) {
+    if (form[k] == 0) continue;
+    if (K == 1 && control.edgeOnBoundary(k)) return BoundaryMode::Open;
+    if (K == 2 && control.facetOnBoundary(k)) return BoundaryMode::Open;
+  }
+  return BoundaryMode::Walls;
+}
+
+template Cochain<0> Refiner::step(int, const Cochain<0>&, BoundaryMode) const;
+template Cochain<1> Refiner::step(int, const Cochain<1>&, BoundaryMode) const;
+template Cochain<2> Refiner::step(int, const Cochain<2>&, BoundaryMode) const;
+template Cochain<3> Refiner::step(int, const Cochain<3>&, BoundaryMode) const;
+template Cochain<0> Refiner::refine(Cochain<0>, BoundaryMode) const;
+template Cochain<1> Refiner::refine(Cochain<1>, BoundaryMode) const;
+template Cochain<2> Refiner::refine(Cochain<2>, BoundaryMode) const;
+template Cochain<3> Refiner::refine(Cochain<3>, BoundaryMode) const;
+template BoundaryMode automaticMode(const Complex&, const Cochain<0>&);
+template BoundaryMode automaticMode(const Complex&, const Cochain<1>&);
+template BoundaryMode automaticMode(const Complex&, const Cochain<2>&);
+template BoundaryMode automaticMode(const Complex&, const Cochain<3>&);
+
+}  // namespace octet

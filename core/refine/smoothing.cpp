@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "smoothing.h"
+
+#include "../base/parallel.h"
+#include "../forms/coboundary.h"
+#include "../rules/smoothing_rules.h"
+#include "patch_test.h"
+
+namespace octet {
+namespace {
+
+enum RowFlag : std::uint8_t {
+  kRegular = 1,   // smoothed by the average over translates
+  kNeedsRow = 2,  // its row of D is read by an irregular simplex
+  kStarRow = 4,   // interior and irregular: its row of D is a mean over its star
+};
+
+double read(LatticeRef ref, const double* values) {
+  return ref.exists() ? ref.sign() * values[ref.index()] : 0.0;
+}
+
+/// Coefficients in lattice layout: those based at a site side by side, along their classes.
+template <std::size_t N>
+ScratchPool::Loan gather(ScratchPool* scratch, const Array<std::array<LatticeRef, N>>& slots,
+                         const double* values) {
+  auto result = scratch->take(slots.size() * N);
+  parallelFor<std::size_t>(slots.size(), [&](std::size_t s) {
+    for (std::size_t c = 0; c < N; ++c) result[s * N + c] = read(slots[s][c], values);
+  });
+  return result;
+}
+
+/// Average over translates of every regular simplex.
+template <std::size_t N>
+void averageTranslates(const LatticeSites& sites, const Array<std::array<LatticeRef, N>>& slots,
+                       const Array<std::uint8_t>& regular, const ScratchPool::Loan& values,
+                       double* out) {
+  parallelFor<Index>(sites.count(), [&](Index s) {
+    if (!regular[s]) return;
+    double near[N] = {}, far[N] = {};
+    const auto& neighbours = sites.neighbours[s];
+    for (int k = 0; k < 12; ++k) {
+      const double* other = values.data() + static_cast<std::size_t>(neighbours[k]) * N;
+      for (std::size_t c = 0; c < N; ++c) near[c] += other[c];
+    }
+    for (int k = 12; k < kNeighbours; ++k) {
+      const double* other = values.data() + static_cast<std::size_t>(neighbours[k]) * N;
+      for (std::size_t c = 0; c < N; ++c) far[c] += other[c];
+    }
+    const double* own = values.data() + static_cast<std::size_t>(s) * N;
+    for (std::size_t c = 0; c < N; ++c) {
+      if (!(regular[s] >> c & 1)) continue;
+      out[slots[s][c].index()] =
+          slots[s][c].sign() * (translateWeight(kSelf) * own[c] + translateWeight(0) * near[c] +
+                                translateWeight(12) * far[c]);
+    }
+  });
+}
+
+/// Rows of a lattice homotopy for the regular simplices that need them.
+template <std::size_t N, std::size_t M>
+void latticeRows(const LatticeSites& sites, const Array<std::array<LatticeRef, N>>& slots,
+                 const Array<std::uint8_t>& regular,
+                 const std::array<std::vector<LatticeTerm>, N>& homotopy,
+                 const Array<std::uint8_t>& flags, const ScratchPool::Loan& values, double* out) {
+  parallelFor<Index>(sites.count(), [&](Index s) {
+    for (std::size_t c = 0; c < N; ++c) {
+      if (!(regular[s] >> c & 1) || !(flags[slots[s][c].index()] & kNeedsRow)) continue;
+      double sum = 0;
+      for (const LatticeTerm& term : homotopy[c]) {
+        const std::size_t at = static_cast<std::size_t>(sites.siteOf(s, term));
+        sum += term.weight * values[at * M + term.simplexClass];
+      }
+      out[slots[s][c].index()] = slots[s][c].sign() * sum;
+    }
+  });
+}
+
+template <typename Shape>
+const CellKernel<Shape>& kernelOf(const CellKernels& kernels) {
+  if constexpr (Shape::kVertices == 4) {
+    return kernels.tet;
+  } else {
+    return kernels.oct;
+  }
+}
+
+/// sum_k matrix[k][:] * input[k]
+template <int N, int M>
+void multiply(const double (&matrix)[N][M], const double* input, double* out) {
+  double sum[M] = {};
+  for (int k = 0; k < N; ++k) {
+    for (int m = 0; m < M; ++m) sum[m] += matrix[k][m] * input[k];
+  }
+  std::copy(sum, sum + M, out);
+}
+
+}  // namespace
+
+Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const LatticeSites& sites,
+                     const CellKernels& kernels, ScratchPool* scratch)
+    : c_(*fine.coarse),
+      f_(fine),
+      boundary_(boundary),
+      sites_(sites),
+      kernels_(kernels),
+      scratch_(scratch),
+      stars_(c_) {
+  classify();
+}
+
+void Smoothing::classify() {
+  edges_.assign(f_.edgeCount(), 0);
+  facets_.assign(f_.facetCount(), 0);
+  cells_.assign(f_.cellCount(), 0);
+  vertices_.assign(f_.vertexCount(), 0);
+  parallelFor<Index>(sites_.count(), [&](Index s) {
+    for (int c = 0; c < kEdgeClasses; ++c) {
+      if (sites_.regularEdges[s] >> c & 1) edges_[sites_.edges[s][c].index()] = kRegular;
+    }
+    for (int c = 0; c < kFacetClasses; ++c) {
+      if (sites_.regularFacets[s] >> c & 1) facets_[sites_.facets[s][c].index()] = kRegular;
+    }
+    for (int c = 0; c < kCellClasses; ++c) {
+      if (sites_.regularCells[s] >> c & 1) cells_[sites_.cells[s][c].index()] = kRegular;
+    }
+  });
+  parallelFor<Index>(f_.edgeCount(), [&](Index e) {
+    if (edges_[e] & kRegular) return;
+    if (!f_.edgeOnBoundary(e)) edges_[e] = kStarRow;
+    for (const Index v : f_.edges[e]) {
+      if (!f_.vertexOnBoundary(v)) storeRelaxed<std::uint8_t>(&vertices_[v], kNeedsRow);
+    }
+  });
+  parallelFor<Index>(f_.facetCount(), [&](Index f) {
+    if (facets_[f] & kRegular) return;
+    for (const EdgeRef& e : f_.facetEdges[f]) orRelaxed(&edges_[e.index()], kNeedsRow);
+  });
+  parallelFor<Index>(f_.cellCount(), [&](Index cell) {
+    if (cells_[cell] & kRegular) return;
+    for (int k = 0; k < f_.cellFacetCount(cell); ++k) {
+      orRelaxed(&facets_[f_.cellFacet(cell, k).index()], kNeedsRow);
+    }
+  });
+
+  needsStarRows_.resize(c_.cellCount());
+  const auto needs = [&](auto shape, Index cell) {
+    const ClosureEdges<decltype(shape)> closure(c_, cell);
+    return std::any_of(closure.index.begin(), closure.index.end(),
+                       [&](Index e) { return !(edges_[e] & kRegular); });
+  };
+  parallelFor<Index>(c_.cellCount(), [&](Index cell) {
+    needsStarRows_[cell] = c_.isTet(cell) ? needs(Tetrahedron{}, cell) : needs(Octahedron{}, cell);
+  });
+}
+
+/// D1 of interior vertices applied to the linear refinement of a 1-form, where `wanted(vertex)`.
+template <typename Wanted>
+void Smoothing::vertexRows(const double* coarseEdges, const Wanted& wanted, double* out) const {
+  const auto fill = [&](auto shape, Index cell, double* values) {
+    using Shape = decltype(shape);
+    double edges[Shape::kEdges];
+    for (int k = 0; k < Shape::kEdges; ++k) {
+      const EdgeRef e = localEdge<Shape>(c_, cell, k);
+      edges[k] = e.sign() * coarseEdges[e.index()];
+    }
+    multiply(kernelOf<Shape>(kernels_).vertexHomotopy, edges, values);
+  };
+  stars_.vertices(scratch_, fill, wanted, out);
+  // So far sums over the star; the row is their mean.
+  const Index v0 = c_.vertexCount(), e0 = c_.edgeCount();
+  parallelFor<Index>(f_.vertexCount(), [&](Index v) {
+    if (!wanted(v)) return;
+    out[v] /= v < v0        ? std::max(stars_.cellsAtVertex(v), 1)
+              : v < v0 + e0 ? stars_.cellsAtMidpoint(v - v0)
+                            : 14;
+  });
+}
+
+/// D1 of boundary vertices, `edge(EdgeRef)` giving the coefficients of a fine 1-form.
+template <typename Read>
+void Smoothing::boundaryVertexRows(const Read& edge, double* out) const {
+  parallelFor<Index>(boundary_.vertexCount(), [&](Index row) {
+    out[boundary_.vertices[row]] = boundary_.vertexHomotopy(row, f_, edge);
+  });
+}
+
+/// D2 of irregular edges plus the patch test's correction of all edges, applied to the linear
+/// refinement of a 2-form.
+void Smoothing::edgeRows(const double* coarseFacets, const Correction& correction,
+                         double* out) const {
+  const PatchTest* const patchTest =
+      correction.patchTest && !correction.patchTest->empty() ? correction.patchTest : nullptr;
+  const auto fill = [&](auto shape, Index cell, double* values) {
+    using Shape = decltype(shape);
+    using Edges = FineEdges<Shape>;
+    if (!needsStarRows_[cell] && !patchTest) {
+      std::fill(values, values + Edges::kCount, 0.0);
+      return;
+    }
+    const ClosureEdges<Shape> closure(c_, cell);
+    double facets[Shape::kFacets];
+    for (int k = 0; k < Shape::kFacets; ++k) {
+      const FacetRef f = localFacet<Shape>(c_, cell, k);
+      facets[k] = f.sign() * coarseFacets[f.index()];
+    }
+    if (needsStarRows_[cell]) {
+      multiply(kernelOf<Shape>(kernels_).edgeHomotopy, facets, values);
+      for (int k = 0; k < Edges::kCount; ++k) {
+        const Index e = closure.index[k];
+        const double cells = k < Edges::kHalves ? stars_.cellsAtEdge(e / 2) : 4.0;
+        values[k] = edges_[e] & kStarRow ? values[k] * closure.sign[k] / cells : 0.0;
+      }
+    } else {
+      std::fill(values, values + Edges::kCount, 0.0);
+    }
+    if (patchTest) patchTest->addCell(kernelOf<Shape>(kernels_), cell, facets, closure, values);
+  };
+  stars_.edges(scratch_, fill, out);
+  if (patchTest) patchTest->finish(correction.mode, coarseFacets, out);
+  parallelFor<Index>(boundary_.edgeCount(), [&](Index k) {
+    double sum = 0;
+    for (auto term = boundary_.edgeTermsBegin(k); term != boundary_.edgeTermsEnd(k); ++term) {
+      sum += term->weight * coarseFacets[term->facet / 4] / 4;
+    }
+    out[boundary_.edges[k]] += sum;
+  });
+}
+
+/// D3 of irregular facets applied to the linear refinement of a 3-form. It is the same for the four
+/// children of a coarse facet, since a child's weight (4:1) makes up for its share (1:4); between
+/// the children of one cell it vanishes for the same reason.
+void Smoothing::facetRows(const double* coarseCells, double* out) const {
+  constexpr double kTet = kTetFacetWeight * LinearRules::kTetToTet;
+  constexpr double kOct = kOctFacetWeight * LinearRules::kOctToOct;
+  parallelFor<Index>(c_.facetCount(), [&](Index f) {
+    out[f] = 0;
+    if (c_.facetOnBoundary(f)) return;
+    for (int side = 0; side < 2; ++side) {
+      const Index cell = c_.facetCells[f][side].cell();
+      const double w = c_.isTet(cell) ? kTet : kOct;
+      out[f] += (side == 0 ? w : -w) * coarseCells[cell];
+    }
+  });
+}
+
+void Smoothing::apply0(const double* coarse, const double* linear, double* out) const {
+  auto edges = scratch_->take(c_.edgeCount());
+  coboundary0(c_, coarse, edges.data());
+  // At a regular vertex, too, the mean over the star is the average over translates.
+  vertexRows(
+      edges.data(), [&](Index v) { return !f_.vertexOnBoundary(v); }, out);
+  boundaryVertexRows(
+      [&](EdgeRef e) {
+        return e.sign() * (linear[f_.edges[e.index()][1]] - linear[f_.edges[e.index()][0]]);
+      },
+      out);
+  parallelFor<Index>(f_.vertexCount(), [&](Index v) { out[v] = linear[v] - out[v]; });
+}
+
+void Smoothing::apply1(const double* coarse, const double* linear, const Correction& correction,
+                       double* out) const {
+  auto facets = scratch_->take(c_.facetCount());
+  auto rows = scratch_->take(f_.edgeCount());
+  auto vertices = scratch_->take(f_.vertexCount());
+  coboundary1(c_, coarse, facets.data());
+  edgeRows(facets.data(), correction, rows.data());
+  vertexRows(
+      coarse, [&](Index v) { return vertices_[v] & kNeedsRow; }, vertices.data());
+  boundaryVertexRows([&](EdgeRef e) { return e.sign() * linear[e.index()]; }, vertices.data());
+  averageTranslates(sites_, sites_.edges, sites_.regularEdges,
+                    gather(scratch_, sites_.edges, linear), out);
+  parallelFor<Index>(f_.edgeCount(), [&](Index e) {
+    const double average = edges_[e] & kRegular
+                               ? out[e]
+                               : linear[e] - (vertices[f_.edges[e][1]] - vertices[f_.edges[e][0]]);
+    out[e] = average - rows[e];
+  });
+}
+
+void Smoothing::apply2(const double* coarse, const double* linear, const Correction& correction,
+                       double* out) const {
+  auto rows = scratch_->take(f_.edgeCount());
+  auto regularRows = scratch_->take(sites_.count() ? f_.edgeCount() : 0);
+  edgeRows(coarse, correction, rows.data());
+  {
+    const auto values = gather(scratch_, sites_.facets, linear);
+    averageTranslates(sites_, sites_.facets, sites_.regularFacets, values, out);
+    latticeRows<kEdgeClasses, kFacetClasses>(sites_, sites_.edges, sites_.regularEdges,
+                                             Lattice::get().edgeHomotopy, edges_, values,
+                                             regularRows.data());
+  }
+  auto facets = scratch_->take(c_.facetCount());
+  {
+    auto cells = scratch_->take(c_.cellCount());
+    coboundary2(c_, coarse, cells.data());
+    facetRows(cells.data(), facets.data());
+  }
+  const Index onFacets = 4 * c_.facetCount();
+  parallelFor<Index>(f_.facetCount(), [&](Index f) {
+    const auto& edges = f_.facetEdges[f];
+    if (facets_[f] & kRegular) {
+      for (const EdgeRef& e : edges) out[f] -= e.sign() * rows[e.index()];
+      return;
+    }
+    double sum = linear[f] - (f < onFacets ? facets[f / 4] : 0.0);
+    for (const EdgeRef& e : edges) {
+      double row = rows[e.index()];
+      if (edges_[e.index()] & kRegular) row += regularRows[e.index()];
+      sum -= e.sign() * row;
+    }
+    out[f] = sum;
+  });
+}
+
+void Smoothing::apply3(const double* coarse, const double* linear, double* out) const {
+  auto regularRows = scratch_->take(sites_.count() ? f_.facetCount() : 0);
+  {
+    auto values = gather(scratch_, sites_.cells, linear);
+    averageTranslates(sites_, sites_.cells, sites_.regularCells, values, out);
+    // Masses count as positively oriented in space; a mirrored region turns lattice chains over.
+    parallelFor<Index>(sites_.count(), [&](Index s) {
+      for (int c = 0; c < kCellClasses; ++c) {
+        values[static_cast<std::size_t>(s) * kCellClasses + c] *= sites_.handedness[s];
+      }
+    });
+    latticeRows<kFacetClasses, kCellClasses>(sites_, sites_.facets, sites_.regularFacets,
+                                             Lattice::get().facetHomotopy, facets_, values,
+                                             regularRows.data());
+  }
+  auto facets = scratch_->take(c_.facetCount());
+  facetRows(coarse, facets.data());
+  const Index onFacets = 4 * c_.facetCount();
+  parallelFor<Index>(f_.cellCount(), [&](Index cell) {
+    if (cells_[cell] & kRegular) return;
+    double sum = 0;
+    for (int k = 0; k < f_.cellFacetCount(cell); ++k) {
+      const FacetRef f = f_.cellFacet(cell, k);
+      if (facets_[f.index()] & kRegular) {
+        sum += f.sign() * regularRows[f.index()];
+      } else if (f.index() < onFacets) {
+        sum += f.sign() * facets[f.index() / 4];
+      }
+    }
+    out[cell] = linear[cell] - f_.cellSigns[cell] * sum;
+  });
+}
+
+}  // namespace octet

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boundary.h"
+
+#include <algorithm>
+
+#include "../base/parallel.h"
+#include "../rules/smoothing_rules.h"
+
+namespace octet {
+namespace {
+
+bool hasEdge(const Complex& complex, Index facet, Index edge) {
+  const auto& edges = complex.facetEdges[facet];
+  return std::any_of(edges.begin(), edges.end(),
+                     [&](const EdgeRef& e) { return e.index() == edge; });
+}
+
+}  // namespace
+
+Boundary::Boundary(const Complex& complex, const std::vector<Index>& corners,
+                   const Boundary* coarse) {
+  list(complex, coarse);
+  buildRings(complex);
+  classify(complex, corners);
+  buildEdgeTerms(complex);
+}
+
+void Boundary::list(const Complex& complex, const Boundary* coarse) {
+  if (!coarse) {
+    for (Index f = 0; f < complex.facetCount(); ++f) {
+      if (complex.facetOnBoundary(f)) facets.push_back(f);
+    }
+    for (Index e = 0; e < complex.edgeCount(); ++e) {
+      if (complex.edgeOnBoundary(e)) edges.push_back(e);
+    }
+    for (Index v = 0; v < complex.vertexCount(); ++v) {
+      if (complex.vertexOnBoundary(v)) vertices.push_back(v);
+    }
+  } else {
+    const Complex& parent = *complex.coarse;
+    for (const Index f : coarse->facets) {
+      for (Index k = 0; k < 4; ++k) facets.push_back(4 * f + k);
+    }
+    for (const Index e : coarse->edges) edges.insert(edges.end(), {2 * e, 2 * e + 1});
+    for (const Index f : coarse->facets) {
+      const Index first = 2 * parent.edgeCount() + 3 * f;
+      edges.insert(edges.end(), {first, first + 1, first + 2});
+    }
+    vertices = coarse->vertices;
+    for (const Index e : coarse->edges) vertices.push_back(parent.vertexCount() + e);
+  }
+  rows_.assign(complex.vertexCount(), kNone);
+  for (Index row = 0; row < vertexCount(); ++row) rows_[vertices[row]] = row;
+}
+
+void Boundary::buildRings(const Complex& complex) {
+  ringBegin_.assign(vertices.size() + 1, 0);
+  for (const Index f : facets) {
+    for (const Index v : complex.facetVertices(f)) ++ringBegin_[rows_[v] + 1];
+  }
+  for (std::size_t k = 1; k < ringBegin_.size(); ++k) ringBegin_[k] += ringBegin_[k - 1];
+  ring_.resize(ringBegin_.back());
+  Array<Index> next(ringBegin_.begin(), ringBegin_.end() - 1);
+  for (const Index f : facets) {
+    const auto t = complex.facetVertices(f);
+    const bool outward = complex.facetCells[f][0].exists();
+    for (int k = 0; k < 3; ++k) {
+      const int first = outward ? (k + 1) % 3 : (k + 2) % 3;
+      ring_[next[rows_[t[k]]]++] = {complex.facetEdge(f, k, first), f,
+                                    static_cast<std::int8_t>(outward ? 1 : -1), true};
+    }
+  }
+  // Put each ring in order: the step whose edge is where the facet before ends. Where several rings
+  // meet they follow each other.
+  parallelFor<Index>(vertexCount(), [&](Index row) {
+    RingStep* const begin = ring_.data() + ringBegin_[row];
+    RingStep* const end = ring_.data() + ringBegin_[row + 1];
+    for (RingStep* step = begin; step != end; ++step) {
+      step->firstOfEdge = std::none_of(begin, step, [&](const RingStep& earlier) {
+        return earlier.edge.index() == step->edge.index();
+      });
+      const auto following = std::find_if(step + 1, end, [&](const RingStep& candidate) {
+        return hasEdge(complex, step->facet, candidate.edge.index());
+      });
+      if (following != end) std::swap(*(step + 1), *following);
+    }
+  });
+}
+
+Index Boundary::valence(Index row) const {
+  return static_cast<Index>(std::count_if(ringBegin(row), ringEnd(row),
+                                          [](const RingStep& step) { return step.firstOfEdge; }));
+}
+
+void Boundary::classify(const Complex& complex, const std::vector<Index>& corners) {
+  kinds.resize(vertices.size());
+  weights_.resize(vertices.size());
+  regular_.resize(vertices.size());
+  parallelFor<Index>(vertexCount(), [&](Index row) {
+    int creases = 0;
+    for (const RingStep* step = ringBegin(row); step != ringEnd(row); ++step) {
+      if (step->firstOfEdge && complex.edgeFlags[step->edge.index()] & kOnCrease) ++creases;
+    }
+    const bool pinned = std::binary_search(corners.begin(), corners.end(), vertices[row]);
+    kinds[row] = pinned || creases == 1 || creases > 2 ? BoundaryKind::Corner
+                 : creases == 2                        ? BoundaryKind::Crease
+                                                       : BoundaryKind::Smooth;
+    weights_[row] = kinds[row] == BoundaryKind::Smooth ? 2 * loopBeta(valence(row)) : kCreaseWeight;
+    constexpr Index kRegularValence = 6;
+    bool regular = kinds[row] == BoundaryKind::Smooth && valence(row) == kRegularValence &&
+                   ringEnd(row) - ringBegin(row) == kRegularValence;
+    for (Index k = 0; k < kRegularValence && regular; ++k) {
+      const Index next = ringBegin(row)[(k + 1) % kRegularValence].edge.index();
+      regular = hasEdge(complex, ringBegin(row)[k].facet, next);
+    }
+    regular_[row] = regular;
+  });
+}
+
+void Boundary::buildEdgeTerms(const Complex& complex) {
+  const auto stepTo = [&](Index row, Index edge) {
+    const RingStep* step = ringBegin(row);
+    while (step->edge.index() != edge) ++step;
+    return static_cast<Index>(step - ringBegin(row));
+  };
+  const auto visitTerms = [&](Index k, const auto& add) {
+    const Index e = edges[k];
+    if (complex.edgeFlags[e] & kOnCrease) return;
+    const Index u = rows_[complex.edges[e][0]], v = rows_[complex.edges[e][1]];
+    if (regular(u) && regular(v)) {
+      const Index atU = stepTo(u, e), atV = stepTo(v, e);
+      for (const SurfaceTerm& term : kSurfaceEdgeTerms) {
+        // Seen from v, the edge back to u is direction 3.
+        const Index place =
+            term.atEnd ? (atV + term.direction + 3) % 6 : (atU + term.direction) % 6;
+        const RingStep& step = ringBegin(term.atEnd ? v : u)[place];
+        add(FacetTerm{step.facet, term.weight * step.facetSign});
+      }
+      return;
+    }
+    for (const RingStep* step = ringBegin(u); step != ringEnd(u); ++step) {
+      if (!hasEdge(complex, step->facet, e)) continue;
+      // The facet that follows the edge around u has it counterclockwise, one before it clockwise.
+      const double w = step->edge.index() == e ? kBoundaryEdgeWeight : -kBoundaryEdgeWeight;
+      add(FacetTerm{step->facet, w * step->facetSign});
+    }
+  };
+  termBegin_.assign(edges.size() + 1, 0);
+  parallelFor<Index>(
+      edgeCount(), [&](Index k) { visitTerms(k, [&](const FacetTerm&) { ++termBegin_[k + 1]; }); });
+  for (std::size_t k = 1; k < termBegin_.size(); ++k) termBegin_[k] += termBegin_[k - 1];
+  terms_.resize(termBegin_.back());
+  parallelFor<Index>(edgeCount(), [&](Index k) {
+    Index at = termBegin_[k];
+    visitTerms(k, [&](const FacetTerm& term) { terms_[at++] = term; });
+  });
+}
+
+}  // namespace octet
