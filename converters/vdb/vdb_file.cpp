@@ -235,7 +235,8 @@ std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
     openvdb::io::File file(path);
     file.open(/*delayLoad=*/false);
     if (fileMetadata) *fileMetadata = readMetadata(*file.getMetadata());
-    for (const auto& grid : *file.getGrids()) {
+    const openvdb::GridPtrVecPtr grids = file.getGrids();
+    for (const openvdb::GridBase::Ptr& grid : *grids) {
       VdbGridInfo info = describe(*grid);
       measureRange<openvdb::FloatGrid>(*grid, &info) ||
           measureRange<openvdb::Vec3SGrid>(*grid, &info) ||

@@ -73,8 +73,12 @@ class OneRing {
     const Complex& c = refiner_.complex(0);
     const Lattice& lattice = Lattice::get();
     const std::vector<Int3> points = sortedPoints<K>(c, patch_.points, s);
-    const auto found = std::find(lattice.neighbours.begin(), lattice.neighbours.end(), points[0]);
-    MaskTerm term{static_cast<std::uint8_t>(found - lattice.neighbours.begin()), 0, Vec3::Zero()};
+    MaskTerm term{0, {kSelf, kSelf, kSelf}, Vec3::Zero()};
+    for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 3); ++i) {
+      const auto found =
+          std::find(lattice.neighbours.begin(), lattice.neighbours.end(), points[i]);
+      term.vertices[i] = static_cast<std::uint8_t>(found - lattice.neighbours.begin());
+    }
     *sign = orientation<K>(c, patch_.points, s);
     if constexpr (K == 1) {
       const Int3 step = difference(points[1], points[0]);

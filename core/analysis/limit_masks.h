@@ -6,10 +6,12 @@
 
 namespace octet {
 
-/// One term of a limit mask at a regular vertex: the simplex of class `simplexClass` based at a
-/// neighbour (or the vertex itself, kSelf), and its weight.
+/// One term of a limit mask at a regular vertex: a simplex of its 1-ring and its weight.
 struct MaskTerm {
-  std::uint8_t base, simplexClass;
+  std::uint8_t simplexClass;
+  /// Its vertices as neighbours of the centre (kSelf: the centre itself), the base first; up to
+  /// three are given.
+  std::array<std::uint8_t, 3> vertices;
   Vec3 weight;  ///< first component only, for degrees 0 and 3
 };
 

@@ -83,7 +83,7 @@ double Limit::valueAt(Index v, const At& at) const {
   if (site != kNone) {
     double sum = 0;
     for (const MaskTerm& term : masks_.terms[0]) {
-      sum += term.weight[0] * at(sites_.vertices[sites_.hop(site, term.base)]);
+      sum += term.weight[0] * at(sites_.vertices[sites_.hop(site, term.vertices[0])]);
     }
     return sum;
   }
@@ -176,30 +176,27 @@ Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode) const {
 /// 2-form. Both make constants exact.
 template <int K>
 Vec3 Limit::regularVector(Index site, const double* form) const {
+  Index sites[kNeighbours + 1];
+  Vec3 points[kNeighbours + 1];
+  for (int k = 0; k <= kNeighbours; ++k) {
+    sites[k] = sites_.hop(site, static_cast<std::uint8_t>(k));
+    points[k] = coefficientPositions_[sites_.vertices[sites[k]]];
+  }
   Vec3 inLattice = Vec3::Zero();
   Eigen::Matrix3d ofConstants = Eigen::Matrix3d::Zero();  // column k: the mask on constant k
-  const auto& slots = [&]() -> const auto& {
-    if constexpr (K == 1) {
-      return sites_.edges;
-    } else {
-      return sites_.facets;
-    }
-  }
-  ();
   for (const MaskTerm& term : masks_.terms[K]) {
-    const LatticeRef ref = slots[sites_.hop(site, term.base)][term.simplexClass];
+    const auto& [a, b, c] = term.vertices;
+    LatticeRef ref;
     Vec3 measure;
     if constexpr (K == 1) {
-      const auto& e = c_.edges[ref.index()];
-      measure = coefficientPositions_[e[1]] - coefficientPositions_[e[0]];
+      ref = sites_.edges[sites[a]][term.simplexClass];
+      measure = points[b] - points[a];
     } else {
-      const auto v = c_.facetVertices(ref.index());
-      measure = (coefficientPositions_[v[1]] - coefficientPositions_[v[0]])
-                    .cross(coefficientPositions_[v[2]] - coefficientPositions_[v[0]]) /
-                2;
+      ref = sites_.facets[sites[a]][term.simplexClass];
+      measure = (points[b] - points[a]).cross(points[c] - points[a]) / 2;
     }
     inLattice += (ref.sign() * form[ref.index()]) * term.weight;
-    ofConstants += ref.sign() * term.weight * measure.transpose();
+    ofConstants += term.weight * measure.transpose();
   }
   return ofConstants.inverse() * inLattice;
 }
@@ -314,7 +311,7 @@ Array<double> Limit::densities(const Cochain<3>& form) const {
     const Index site = refiner_.smooth() && masks_.exists[3] ? sites_.siteOfRegular(c_, v) : kNone;
     if (site != kNone) {
       for (const MaskTerm& term : masks_.terms[3]) {
-        const LatticeRef ref = sites_.cells[sites_.hop(site, term.base)][term.simplexClass];
+        const LatticeRef ref = sites_.cells[sites_.hop(site, term.vertices[0])][term.simplexClass];
         mass += term.weight[0] * form[ref.index()];
         volume += term.weight[0] * volumes[ref.index()];
       }

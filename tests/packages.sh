@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+# install_packages NAME...: Debian or Ubuntu packages that are not there yet, as root or with sudo.
+install_packages() {
+  local missing=() package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  local sudo=
+  [ "$(id -u)" -eq 0 ] || sudo=sudo
+  echo "installing ${missing[*]}" >&2
+  $sudo apt-get update -qq >&2
+  DEBIAN_FRONTEND=noninteractive $sudo apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
+}
+
+# What the library and the command need.
+BUILD_PACKAGES=(g++ cmake ninja-build libtbb-dev libeigen3-dev libopenvdb-dev
+  libboost-iostreams-dev nlohmann-json3-dev libcli11-dev libgmsh-dev)
+# What the tests need besides.
+TEST_PACKAGES=(libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-numpy
+  libopenvdb-tools clang-format)
