@@ -20,8 +20,9 @@ constexpr double kCreaseLimitSelf = 2.0 / 3, kCreaseLimitNeighbour = 1.0 / 6;
 /// Directions in which a wall's normals spread less than this (as a squared sine) are along it.
 constexpr double kFlatWall = 0.05;
 
-/// Weight that keeps an undetermined gradient small in a least-squares fit, relative to the rest.
-constexpr double kSmallGradient = 1e-8;
+/// Weight of a small gradient in a least-squares fit, relative to the data: one-sided stars do not
+/// determine all of it, and what they leave open must not be extrapolated.
+constexpr double kSmallGradient = 1e-3;
 
 /// Coefficients of neighbouring simplices as equations for a linear field v + G (x - x0).
 class LinearFit {
