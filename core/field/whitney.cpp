@@ -46,12 +46,14 @@ double volume6(const std::array<Vec3, Shape::kVertices>& p) {
 }
 
 /// The Whitney form in a tetrahedron (thesis 3.2.2), by its values at the corners.
+/// @param p      corners in the world
+/// @param shape  the same up to a translation, with all digits of their differences
 template <int K>
-Piece<kComponents<K>> whitneyPiece(const std::array<Vec3, 4>& p,
+Piece<kComponents<K>> whitneyPiece(const std::array<Vec3, 4>& p, const std::array<Vec3, 4>& shape,
                                    const LocalForm<K, Tetrahedron>& w) {
   Piece<kComponents<K>> piece;
   piece.points = p;
-  const Barycentric lambda(p);
+  const Barycentric lambda(shape);
   for (int a = 0; a < 4; ++a) {
     auto& value = piece.values[a];
     value.setZero();
@@ -73,7 +75,7 @@ Piece<kComponents<K>> whitneyPiece(const std::array<Vec3, 4>& p,
         }
       }
     }
-    if constexpr (K == 3) value[0] = w[0] / std::abs(volume6<Tetrahedron>(p) / 6);
+    if constexpr (K == 3) value[0] = w[0] / std::abs(volume6<Tetrahedron>(shape) / 6);
   }
   return piece;
 }
@@ -176,47 +178,53 @@ class OctahedronPieces {
                    const typename Whitney<K>::Sink& sink)
       : split_(split), wanted_(wanted), sink_(sink) {}
 
-  void visit(const std::array<Vec3, 6>& p, const LocalForm<K, Octahedron>& w, int depth) const {
+  /// @param origin  of `shape`, the octahedron's vertices relative to it: differences of positions
+  ///                in the world would lose a digit every three splits
+  void visit(const Vec3& origin, const std::array<Vec3, 6>& shape,
+             const LocalForm<K, Octahedron>& w, int depth) const {
     Box box;
-    for (const Vec3& x : p) box.extend(x);
+    for (const Vec3& x : shape) box.extend(origin + x);
     if (!wanted_(box)) return;
-    const auto& labels = SplitTables<Octahedron>::get();
     std::array<Vec3, kCentreLabel + 1> fine;
-    Vec3 centre = Vec3::Zero();
+    fine[kCentreLabel].setZero();
     for (int i = 0; i < 6; ++i) {
-      fine[i] = p[i];
-      centre += p[i] / 6;
+      fine[i] = shape[i];
+      fine[kCentreLabel] += shape[i] / 6;
     }
     for (int k = 0; k < 12; ++k) {
-      fine[6 + k] = (p[Octahedron::edges[k][0]] + p[Octahedron::edges[k][1]]) / 2;
+      fine[6 + k] = (shape[Octahedron::edges[k][0]] + shape[Octahedron::edges[k][1]]) / 2;
     }
-    fine[kCentreLabel] = centre;
-    if (depth == kDeepest) {
-      Piece<Whitney<K>::C> piece;
-      piece.values.fill(nearestConstant<K>(p, w));
-      for (const auto& f : Octahedron::facets) {
-        piece.points = {p[f[0]], p[f[1]], p[f[2]], centre};
-        sink_(piece);
-      }
-      return;
-    }
+    if (depth == kDeepest) return fill(origin, fine, nearestConstant<K>(shape, w));
+    const auto& labels = SplitTables<Octahedron>::get();
     for (int k = 0; k < 8; ++k) {
-      std::array<Vec3, 4> child;
+      std::array<Vec3, 4> child, inWorld;
       Box childBox;
       for (int i = 0; i < 4; ++i) {
-        child[i] = fine[labels.tets[k][i]];
-        childBox.extend(child[i]);
+        child[i] = fine[labels.tets[k][i]] - fine[kCentreLabel];
+        inWorld[i] = origin + fine[labels.tets[k][i]];
+        childBox.extend(inWorld[i]);
       }
-      if (wanted_(childBox)) sink_(whitneyPiece<K>(child, split_.tet(k, w)));
+      if (wanted_(childBox)) sink_(whitneyPiece<K>(inWorld, child, split_.tet(k, w)));
     }
     for (int k = 0; k < 6; ++k) {
       std::array<Vec3, 6> child;
-      for (int i = 0; i < 6; ++i) child[i] = fine[labels.octs[k][i]];
-      visit(child, split_.oct(k, w), depth + 1);
+      for (int i = 0; i < 6; ++i) child[i] = fine[labels.octs[k][i]] - fine[k];
+      visit(origin + fine[k], child, split_.oct(k, w), depth + 1);
     }
   }
 
  private:
+  void fill(const Vec3& origin, const std::array<Vec3, kCentreLabel + 1>& fine,
+            const typename Piece<Whitney<K>::C>::Value& value) const {
+    Piece<Whitney<K>::C> piece;
+    piece.values.fill(value);
+    for (const auto& f : Octahedron::facets) {
+      piece.points = {origin + fine[f[0]], origin + fine[f[1]], origin + fine[f[2]],
+                      origin + fine[kCentreLabel]};
+      sink_(piece);
+    }
+  }
+
   const OctahedronSplit<K>& split_;
   const typename Whitney<K>::Filter& wanted_;
   const typename Whitney<K>::Sink& sink_;
@@ -248,13 +256,14 @@ void Whitney<K>::visitPieces(Index cell, const Filter& wanted, const Sink& sink)
       p[i] = x[c.tets[cell][i]];
       box.extend(p[i]);
     }
-    if (wanted(box)) sink(whitneyPiece<K>(p, localForm<K, Tetrahedron>(c, cell, form_)));
+    if (wanted(box)) sink(whitneyPiece<K>(p, p, localForm<K, Tetrahedron>(c, cell, form_)));
     return;
   }
-  std::array<Vec3, 6> p;
-  for (int i = 0; i < 6; ++i) p[i] = x[c.cellVertex(cell, i)];
+  const Vec3& origin = x[c.cellVertex(cell, 0)];
+  std::array<Vec3, 6> shape;
+  for (int i = 0; i < 6; ++i) shape[i] = x[c.cellVertex(cell, i)] - origin;
   OctahedronPieces<K>(tables_->split, wanted, sink)
-      .visit(p, localForm<K, Octahedron>(c, cell, form_), 0);
+      .visit(origin, shape, localForm<K, Octahedron>(c, cell, form_), 0);
 }
 
 template class Whitney<0>;
