@@ -16,6 +16,9 @@ namespace {
 
 using Kind = DocumentValue::Kind;
 
+/// Largest value of a form: grids hold 32-bit floats.
+constexpr double kLargestValue = 1e30;
+
 std::string at(const std::string& place, std::size_t k) {
   return place + "[" + std::to_string(k) + "]";
 }
@@ -172,6 +175,8 @@ AssetUnits readUnits(const DocumentValue& document) {
   return units;
 }
 
+bool isControlCharacter(char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }
+
 /// Finds the simplices that forms list in the control mesh.
 class SimplexFinder {
  public:
@@ -234,6 +239,9 @@ Form readForm(const DocumentValue& object, const std::string& place, SimplexFind
   form.name =
       expect(require(object, place, "name"), place + ".name", Kind::String, "a string").text;
   if (form.name.empty()) throw InputError(place + ".name", "is empty");
+  if (std::any_of(form.name.begin(), form.name.end(), isControlCharacter)) {
+    throw InputError(place + ".name", "has a control character, such as a line break");
+  }
   const double degree = finiteNumber(require(object, place, "degree"), place + ".degree");
   if (degree != 0 && degree != 1 && degree != 2 && degree != 3) {
     throw InputError(place + ".degree", "is not 0, 1, 2 or 3");
@@ -274,6 +282,9 @@ Form readForm(const DocumentValue& object, const std::string& place, SimplexFind
     if (list.size() != form.simplices.size()) {
       throw InputError(where, "has " + std::to_string(list.size()) + " numbers for " +
                                   std::to_string(form.simplices.size()) + " simplices");
+    }
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      if (std::abs(list[k]) > kLargestValue) throw InputError(at(where, k), "is larger than 1e30");
     }
     return list;
   };
@@ -320,7 +331,8 @@ ControlAsset readDocumentAsAsset(const DocumentValue& document) {
   asset.units = readUnits(document);
   asset.mesh = ControlMesh::build(readMesh(document));
   const DocumentValue* forms = document.find("forms");
-  if (!forms || forms->size() == 0) return asset;
+  const bool none = !forms || (forms->kind == Kind::Table && forms->size() == 0);
+  if (none) return asset;
   expect(*forms, "forms", Kind::Array, "an array of objects");
   SimplexFinder finder(asset.mesh);
   for (std::size_t k = 0; k < forms->elements.size(); ++k) {

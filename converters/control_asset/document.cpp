@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "document.h"
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -12,19 +14,42 @@
 #include <octet/core/base/error.h>
 
 #include "../io/atomic_file.h"
+#include "cbor_reader.h"
 
 namespace octet {
 namespace {
 
 /// Deepest nesting of a control asset is 5: forms[0].frames["1"][..], forms[0].simplices[3][..].
 constexpr std::size_t kDeepest = 16;
+/// Most values beside rows of numbers, which take 150 bytes each however short they are in the
+/// file.
+constexpr std::size_t kMostValues = 1000000;
+/// Longest part of a malformed file that a message shows.
+constexpr std::size_t kLongestExcerpt = 200;
 
-/// Builds a DocumentValue from parser events.
+/// A part of a malformed file, fit for a line on a terminal.
+std::string excerpt(std::string text) {
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  if (text.size() <= kLongestExcerpt) return text;
+  return text.substr(0, kLongestExcerpt) + "...";
+}
+
+/// JSON has been checked by its parser.
+bool isUtf8(const std::string& text) {
+  try {
+    nlohmann::json(text).dump();
+    return true;
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+}
+
+/// Builds a DocumentValue from parser events; throws InputError with the place in the document.
 class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
   DocumentValue root;
-  std::string error;
-  std::size_t errorPosition = 0;
 
   bool null() override { return add({}); }
   bool boolean(bool x) override {
@@ -36,7 +61,18 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool number_integer(number_integer_t x) override { return number(static_cast<double>(x)); }
   bool number_unsigned(number_unsigned_t x) override { return number(static_cast<double>(x)); }
   bool number_float(number_float_t x, const string_t&) override { return number(x); }
+  bool number(double x) {
+    if (!stack_.empty() && stack_.back().kind == DocumentValue::Kind::Table && stack_.back().flat) {
+      stack_.back().numbers.push_back(x);
+      return true;
+    }
+    DocumentValue v;
+    v.kind = DocumentValue::Kind::Number;
+    v.number = x;
+    return add(std::move(v));
+  }
   bool string(string_t& text) override {
+    if (!isUtf8(text)) fail("is not UTF-8");
     DocumentValue v;
     v.kind = DocumentValue::Kind::String;
     v.text = std::move(text);
@@ -46,37 +82,54 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
 
   bool start_object(std::size_t) override { return open(DocumentValue::Kind::Object); }
   bool key(string_t& name) override {
-    const auto& keys = stack_.back().keys;
-    if (std::find(keys.begin(), keys.end(), name) != keys.end()) {
-      return fail("key \"" + name + "\" appears twice");
-    }
+    if (!isUtf8(name)) fail("a key is not UTF-8");
     stack_.back().keys.push_back(std::move(name));
     return true;
   }
-  bool end_object() override { return close(); }
+  bool end_object() override {
+    std::vector<std::string_view> keys(stack_.back().keys.begin(), stack_.back().keys.end());
+    std::sort(keys.begin(), keys.end());
+    const auto twice = std::adjacent_find(keys.begin(), keys.end());
+    if (twice == keys.end()) return close();
+    const std::string key(*twice);
+    stack_.back().keys.clear();
+    return fail("key \"" + excerpt(key) + "\" appears twice");
+  }
   bool start_array(std::size_t) override { return open(DocumentValue::Kind::Table); }
   bool end_array() override { return close(); }
 
-  bool parse_error(std::size_t position, const std::string&,
-                   const nlohmann::json::exception& e) override {
-    // "[json.exception.parse_error.101] parse error at line 1, column 2: reason"
-    std::string text = e.what();
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& e) override {
+    // "[json.exception.parse_error.101] parse error at line 1, column 2: reason", or, of a number,
+    // "[json.exception.out_of_range.406] number overflow parsing '1e999'".
+    const std::string text = e.what(), intro = "parse error at ";
+    const auto begin = text.find(intro), end = text.find(": ", begin);
+    if (begin != std::string::npos && end != std::string::npos) {
+      throw InputError(text.substr(begin + intro.size(), end - begin - intro.size()),
+                       excerpt(text.substr(end + 2)));
+    }
     const auto bracket = text.find("] ");
-    if (bracket != std::string::npos) text.erase(0, bracket + 2);
-    errorPosition = position;
-    error = text;
-    return false;
+    return fail(excerpt(bracket == std::string::npos ? text : text.substr(bracket + 2)));
   }
 
  private:
-  bool fail(std::string reason) {
-    if (error.empty()) error = std::move(reason);
-    return false;
+  /// Where the parser is: "forms[0].values[3]".
+  std::string place() const {
+    std::string text;
+    for (const DocumentValue& v : stack_) {
+      if (v.kind != DocumentValue::Kind::Object) {
+        text += "[" + std::to_string(v.size()) + "]";
+      } else if (!v.keys.empty()) {
+        text += (text.empty() ? "" : ".") + excerpt(v.keys.back());
+      }
+    }
+    return text;
   }
+
+  [[noreturn]] bool fail(const std::string& reason) const { throw InputError(place(), reason); }
 
   bool open(DocumentValue::Kind kind) {
     if (stack_.size() >= kDeepest) {
-      return fail("is nested deeper than " + std::to_string(kDeepest) + " levels");
+      fail("is nested deeper than " + std::to_string(kDeepest) + " levels");
     }
     stack_.emplace_back();
     stack_.back().kind = kind;
@@ -87,17 +140,6 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool close() {
     DocumentValue v = std::move(stack_.back());
     stack_.pop_back();
-    return add(std::move(v));
-  }
-
-  bool number(double x) {
-    if (!stack_.empty() && stack_.back().kind == DocumentValue::Kind::Table && stack_.back().flat) {
-      stack_.back().numbers.push_back(x);
-      return true;
-    }
-    DocumentValue v;
-    v.kind = DocumentValue::Kind::Number;
-    v.number = x;
     return add(std::move(v));
   }
 
@@ -116,16 +158,43 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
         parent.rowEnds.push_back(parent.numbers.size());
         return true;
       }
-      if (!first) return fail("an array mixes numbers, arrays and other values");
+      if (!first) fail("is of another kind than the entries before");
       parent.kind = DocumentValue::Kind::Array;
       parent.flat = false;
+    }
+    if (++values_ > kMostValues) {
+      fail("is more than a control asset can hold: a million texts, objects and lists");
     }
     parent.elements.push_back(std::move(v));
     return true;
   }
 
   std::vector<DocumentValue> stack_;
+  std::size_t values_ = 0;
 };
+
+enum class Encoding { Json, Cbor };
+
+/// A CBOR document that can be an asset starts with the major type of maps or arrays or with the
+/// self-described tag; JSON text with ASCII or a byte order mark.
+Encoding encodingOf(int firstByte, const std::string& path) {
+  if (firstByte < 0x80 || firstByte == 0xef) return Encoding::Json;
+  if (firstByte < 0xc0 || firstByte == 0xd9) return Encoding::Cbor;
+  throw InputError(path, "", "is neither JSON nor CBOR");
+}
+
+void parse(std::istream* in, Encoding encoding, Builder* builder) {
+  if (encoding == Encoding::Cbor) {
+    CborReader<Builder>(in, builder).run();
+    return;
+  }
+  nlohmann::json::sax_parse(*in, builder);
+  // The parser takes a zero byte for the end.
+  in->clear();
+  if (in->peek() != std::char_traits<char>::eof()) {
+    throw InputError("", "the file goes on after the document's end");
+  }
+}
 
 }  // namespace
 
@@ -148,26 +217,16 @@ DocumentValue readDocument(const std::string& path) {
   if (!file) throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
   const int first = file.peek();
   if (first == std::ifstream::traits_type::eof()) throw InputError(path, "", "is empty");
-  // A CBOR map starts with a byte of major type 5 or with the self-described tag 0xd9; JSON text
-  // never does.
-  const bool cbor = (first & 0xe0) == 0xa0 || first == 0xd9;
+  const Encoding encoding = encodingOf(first, path);
   Builder builder;
-  bool parsed = false;
   try {
-    parsed = nlohmann::json::sax_parse(
-        file, &builder,
-        cbor ? nlohmann::json::input_format_t::cbor : nlohmann::json::input_format_t::json, true,
-        false);
+    parse(&file, encoding, &builder);
+  } catch (const InputError& e) {
+    throw e.inFile(path);
   } catch (const std::bad_alloc&) {
     throw InputError(path, "", "does not fit into memory");
   } catch (const std::length_error&) {
-    throw InputError(path, "", "claims more data than there can be");
-  }
-  if (!parsed) {
-    const std::string place =
-        cbor && builder.errorPosition ? "byte " + std::to_string(builder.errorPosition) : "";
-    throw InputError(path, place,
-                     builder.error.empty() ? "is neither JSON nor CBOR" : builder.error);
+    throw InputError(path, "", "does not fit into memory");
   }
   if (builder.root.kind != DocumentValue::Kind::Object) {
     throw InputError(path, "", "is not a control asset: the document is not an object");

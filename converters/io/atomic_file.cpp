@@ -13,18 +13,31 @@
 namespace octet {
 namespace fs = std::filesystem;
 
+/// Temporary files that killed programs may have left under the names that come first.
+constexpr int kMostAttempts = 1000;
+
 AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   const fs::path target(path);
   std::error_code ignored;
   if (target.filename().empty() || fs::is_directory(target, ignored)) {
     throw IoError(path, "is a folder, not a file name");
   }
-  const std::string name = "." + target.stem().string() + "." + std::to_string(::getpid()) +
-                           ".tmp" + target.extension().string();
-  temporary_ = (target.parent_path() / name).string();
-  // Creating it now tells at once whether the folder can be written.
-  const int file = ::open(temporary_.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) throw IoError(path, std::string("cannot be written: ") + std::strerror(errno));
+  // Renaming would put a file in the place of a device such as /dev/null.
+  if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored)) {
+    throw IoError(path, "is not a regular file");
+  }
+  // Creating it now tells at once whether the folder can be written. Other programs, in other
+  // containers or on other machines with the same folder, may have the same number.
+  int file = -1;
+  for (int attempt = 0; file < 0; ++attempt) {
+    const std::string name = "." + target.stem().string() + "." + std::to_string(::getpid()) + "-" +
+                             std::to_string(attempt) + ".tmp" + target.extension().string();
+    temporary_ = (target.parent_path() / name).string();
+    file = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    if (file < 0 && (errno != EEXIST || attempt == kMostAttempts)) {
+      throw IoError(path, std::string("cannot be written: ") + std::strerror(errno));
+    }
+  }
   ::close(file);
 }
 

@@ -75,8 +75,7 @@ class OneRing {
     const std::vector<Int3> points = sortedPoints<K>(c, patch_.points, s);
     MaskTerm term{0, {kSelf, kSelf, kSelf}, Vec3::Zero()};
     for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 3); ++i) {
-      const auto found =
-          std::find(lattice.neighbours.begin(), lattice.neighbours.end(), points[i]);
+      const auto found = std::find(lattice.neighbours.begin(), lattice.neighbours.end(), points[i]);
       term.vertices[i] = static_cast<std::uint8_t>(found - lattice.neighbours.begin());
     }
     *sign = orientation<K>(c, patch_.points, s);

@@ -11,12 +11,19 @@
 namespace octet {
 namespace {
 
-constexpr int kTile = 8;
-/// Tiles along a block's edge, unless that makes too many blocks.
-constexpr int kBlockTiles = 16;
+constexpr int kTile = 8, kInTile = kTile - 1;
+/// A patch is what is painted at once, this many tiles wide: so large that few cells lie in several
+/// patches, so small that it stays in a second-level cache.
+constexpr int kPatchTiles = 4, kPatch = kPatchTiles * kTile;
+/// Blocks are one patch each, unless that makes more of them than this.
 constexpr std::int64_t kMostBlocks = 1 << 20;
+/// Progress is reported about this often, and for no fewer blocks at once than these.
+constexpr std::size_t kReports = 100, kFewestBlocks = 256;
 /// Boxes are widened by this many voxels, so that samples on facets are found from both sides.
 constexpr double kMargin = 1e-7;
+/// A barycentric coordinate that grows less than this per voxel along z is taken as growing this
+/// much; along a patch that is much less than kSharedFacetTolerance.
+constexpr double kSteepest = 1e-12;
 /// Largest grid index in any direction.
 constexpr double kLargestIndex = 1 << 30;
 
@@ -30,24 +37,87 @@ struct IndexBox {
 
 Int floorDivide(Int a, Int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
-/// Draws linear pieces into a tile.
-template <int C>
-class TilePainter {
- public:
-  TilePainter(const GridFrame& frame, Sampling sampling)
-      : perVoxel_(1 / frame.voxelSize), origin_(frame.origin), sampling_(sampling) {}
+/// Rounds a small number up that is not negative.
+int ceilPositive(double x) {
+  const int n = static_cast<int>(x);
+  return n + (n < x ? 1 : 0);
+}
 
-  void begin(const std::array<Int, 3>& origin) {
-    tile_.origin = origin;
-    for (auto& component : tile_.values) component.fill(0);
-    tile_.active.fill(0);
+/// What vertical lines have in common with a tetrahedron: a range of integers z.
+class Columns {
+ public:
+  /// @param origin  where lambda's origin lies
+  /// @param from, to  the range to narrow, not negative
+  Columns(const Barycentric& lambda, const Vec3& origin, int from, int to)
+      : origin_(origin), all_(from, -(to + 1)) {
+    int count[2] = {0, 0};
+    for (int i = 0; i < 4; ++i) {
+      // lambda_i >= -tolerance bounds z from below when lambda_i grows with z, else -z.
+      const Vec3& g = lambda.gradients[i];
+      const int side = g[2] >= 0 ? 0 : 1;
+      const double perLambda = 1 / std::max(std::abs(g[2]), kSteepest);
+      Ends& ends = ends_[count[side]++];
+      ends.start[side] = (side == 0 ? origin[2] + kRoundUp : -origin[2] - 1) -
+                         ((i == 0 ? 1 : 0) + kSharedFacetTolerance) * perLambda;
+      ends.perX[side] = -g[0] * perLambda;
+      ends.perY[side] = -g[1] * perLambda;
+    }
   }
 
-  /// Does a box hold any of the tile's samples?
+  /// Moves to a line's place.
+  void moveTo(double x, double y) {
+    for (int k = 0; k < kMost; ++k) {
+      const Ends& e = ends_[k];
+      here_[k] = e.start + (x - origin_[0]) * e.perX + (y - origin_[1]) * e.perY;
+    }
+  }
+  void stepAlongY() {
+    for (int k = 0; k < kMost; ++k) here_[k] += ends_[k].perY;
+  }
+
+  /// The range, its end not included; nothing when it ends before it begins.
+  void range(int* begin, int* end) const {
+    const Eigen::Array2d ends = all_.max(here_[0]).max(here_[1].max(here_[2])).min(last);
+    *begin = static_cast<int>(ends[0]);
+    *end = static_cast<int>(-ends[1]);
+  }
+
+ private:
+  /// A tetrahedron has at most as many facets on one side.
+  static constexpr int kMost = 3;
+  /// Rounds a positive number up when rounding down follows.
+  static constexpr double kRoundUp = 1 - 1e-12;
+  /// Lower end of z, and minus its upper end, as linear functions of x and y.
+  struct Ends {
+    Eigen::Array2d start = Eigen::Array2d::Constant(-HUGE_VAL);
+    Eigen::Array2d perX = Eigen::Array2d::Zero(), perY = Eigen::Array2d::Zero();
+  };
+  const Eigen::Array2d last{kPatch, 0};
+  Vec3 origin_;
+  Eigen::Array2d all_;
+  std::array<Ends, kMost + 1> ends_;
+  std::array<Eigen::Array2d, kMost> here_;
+};
+
+/// Draws linear pieces into a patch of tiles.
+template <int C>
+class PatchPainter {
+ public:
+  PatchPainter(const GridFrame& frame, Sampling sampling)
+      : perVoxel_(1 / frame.voxelSize),
+        origin_(frame.origin),
+        sampling_(sampling),
+        tiles_(kPatchTiles * kPatchTiles * kPatchTiles) {}
+
+  /// @param tile  first tile of the patch, in tiles
+  void begin(const std::array<Int, 3>& tile) {
+    for (int k = 0; k < 3; ++k) first_[k] = tile[k] * kTile;
+    used_.fill(false);
+  }
+
+  /// Does a box hold any of the patch' samples?
   bool wants(const Box& box) const {
-    const Vec3 first(tile_.origin[0], tile_.origin[1], tile_.origin[2]);
-    const Vec3 low = (box.min - origin_) * perVoxel_ - first;
-    const Vec3 high = (box.max - origin_) * perVoxel_ - first;
+    const Vec3 low = inPatch(box.min), high = inPatch(box.max);
     int from[3], to[3];
     if (sampling_ == Sampling::Collocated) return samplesIn(low, high, from, to);
     for (int axis = 0; axis < 3; ++axis) {
@@ -59,109 +129,134 @@ class TilePainter {
 
   void paint(const Piece<C>& piece) {
     std::array<Vec3, 4> p;
-    const Vec3 first(tile_.origin[0], tile_.origin[1], tile_.origin[2]);
-    for (int i = 0; i < 4; ++i) p[i] = (piece.points[i] - origin_) * perVoxel_ - first;
-    if (sampling_ == Sampling::Collocated) {
-      paintComponents<0, C>(p, piece.values);
-      return;
+    for (int i = 0; i < 4; ++i) p[i] = inPatch(piece.points[i]);
+    const Barycentric lambda(p);
+    if (!lambda.finite()) return;
+    Linear field;
+    field.value = piece.values[0];
+    const auto& v = piece.values;
+    for (int axis = 0; axis < 3; ++axis) {
+      field.slope.col(axis) = (v[1] - v[0]) * lambda.gradients[1][axis] +
+                              (v[2] - v[0]) * lambda.gradients[2][axis] +
+                              (v[3] - v[0]) * lambda.gradients[3][axis];
     }
-    if constexpr (C == 3) {
+    if (sampling_ == Sampling::Collocated) {
+      paintComponents<0, C>(p, lambda, field, Vec3::Zero());
+    } else if constexpr (C == 3) {
       // The sample of component c at index i lies at i - 1/2 along c.
-      paintShifted<0>(p, piece.values);
-      paintShifted<1>(p, piece.values);
-      paintShifted<2>(p, piece.values);
+      paintComponents<0, 1>(p, lambda, field, 0.5 * Vec3::UnitX());
+      paintComponents<1, 2>(p, lambda, field, 0.5 * Vec3::UnitY());
+      paintComponents<2, 3>(p, lambda, field, 0.5 * Vec3::UnitZ());
     }
   }
 
-  const Tile<C>& tile() const { return tile_; }
-  bool empty() const {
-    return std::all_of(tile_.active.begin(), tile_.active.end(), [](auto w) { return w == 0; });
+  /// Hands out the tiles that hold something.
+  void finish(const std::function<void(const Tile<C>&)>& sink) const {
+    for (std::size_t k = 0; k < tiles_.size(); ++k) {
+      if (used_[k]) sink(tiles_[k]);
+    }
   }
 
  private:
-  using Values = std::array<typename Piece<C>::Value, 4>;
+  /// value + slope (x - origin of the barycentric coordinates)
+  struct Linear {
+    typename Piece<C>::Value value;
+    Eigen::Matrix<double, C, 3> slope;
+  };
 
-  /// The tile's integer points in a box, in coordinates from its first sample.
+  /// In voxels from the patch' first sample.
+  Vec3 inPatch(const Vec3& x) const { return (x - origin_) * perVoxel_ - first_; }
+
+  /// The patch' integer points in a box.
   static bool samplesIn(const Vec3& low, const Vec3& high, int* from, int* to) {
     for (int k = 0; k < 3; ++k) {
-      if (!(high[k] >= -kMargin && low[k] <= kTile - 1 + kMargin)) return false;
-      from[k] = static_cast<int>(std::ceil(std::max(low[k] - kMargin, 0.0)));
-      to[k] = static_cast<int>(std::floor(std::min(high[k] + kMargin, kTile - 1.0)));
+      if (!(high[k] >= -kMargin && low[k] <= kPatch - 1 + kMargin)) return false;
+      from[k] = ceilPositive(std::max(low[k] - kMargin, 0.0));
+      to[k] = static_cast<int>(std::min(high[k] + kMargin, kPatch - 1.0));
       if (from[k] > to[k]) return false;
     }
     return true;
   }
 
-  template <int Axis>
-  void paintShifted(std::array<Vec3, 4> p, const Values& values) {
-    for (Vec3& x : p) x[Axis] += 0.5;
-    paintComponents<Axis, Axis + 1>(p, values);
-  }
-
-  /// Components First..Last-1 at the tile's integer points inside the tetrahedron `p`.
+  /// Components First..Last-1 at the integer points inside the tetrahedron `p`, shifted.
   template <int First, int Last>
-  void paintComponents(const std::array<Vec3, 4>& p, const Values& values) {
-    Vec3 low = p[0], high = p[0];
-    for (int i = 1; i < 4; ++i) {
-      low = low.cwiseMin(p[i]);
-      high = high.cwiseMax(p[i]);
-    }
+  void paintComponents(const std::array<Vec3, 4>& p, const Barycentric& lambda, const Linear& field,
+                       const Vec3& shift) {
+    const Vec3 low = p[0].cwiseMin(p[1]).cwiseMin(p[2].cwiseMin(p[3])) + shift;
+    const Vec3 high = p[0].cwiseMax(p[1]).cwiseMax(p[2].cwiseMax(p[3])) + shift;
     int from[3], to[3];
     if (!samplesIn(low, high, from, to)) return;
-    const Barycentric lambda(p);
-    if (!lambda.finite()) return;
-    Vec3 slope[Last - First];
-    for (int c = First; c < Last; ++c) {
-      slope[c - First].setZero();
-      for (int i = 0; i < 4; ++i) slope[c - First] += values[i][c] * lambda.gradients[i];
-    }
-    double perZ[4];
-    for (int i = 0; i < 4; ++i) perZ[i] = 1 / lambda.gradients[i][2];
-
+    const Vec3 origin = lambda.origin + shift;
+    // Whether a row meets the tetrahedron is hard to foresee for a processor: list those that do
+    // first, without a branch.
+    std::array<Row, kPatch * kPatch + 1> rows;
+    int count = 0;
+    Columns columns(lambda, origin, from[2], to[2]);
     for (int x = from[0]; x <= to[0]; ++x) {
-      for (int y = from[1]; y <= to[1]; ++y) {
-        const double dx = x - p[0][0], dy = y - p[0][1], dz = -p[0][2];
-        double zFrom = from[2], zTo = to[2];
-        for (int i = 0; i < 4; ++i) {
-          const Vec3& g = lambda.gradients[i];
-          const double atZero = g[0] * dx + g[1] * dy + g[2] * dz + (i == 0 ? 1 : 0);
-          const double crossing = -(atZero + kSharedFacetTolerance) * perZ[i];
-          if (g[2] > 0) {
-            zFrom = std::max(zFrom, crossing);
-          } else if (g[2] < 0) {
-            zTo = std::min(zTo, crossing);
-          } else if (atZero < -kSharedFacetTolerance) {
-            zTo = -1;
-          }
-        }
-        if (!(zFrom <= zTo)) continue;
-        const int z0 = static_cast<int>(std::ceil(zFrom)), z1 = static_cast<int>(std::floor(zTo));
-        if (z0 > z1) continue;
-        const int row = (x * kTile + y) * kTile;
-        tile_.active[x] |= (std::uint64_t{0xff} >> (7 - (z1 - z0))) << (y * kTile + z0);
+      columns.moveTo(x, from[1]);
+      for (int y = from[1]; y <= to[1]; ++y, columns.stepAlongY()) {
+        Row& row = rows[count];
+        row.x = x;
+        row.y = y;
+        columns.range(&row.begin, &row.end);
+        count += row.begin < row.end ? 1 : 0;
+      }
+    }
+    for (int k = 0; k < count; ++k) paintRow<First, Last>(rows[k], field, origin);
+  }
+
+  struct Row {
+    int x, y, begin, end;
+  };
+  template <int First, int Last>
+  void paintRow(const Row& r, const Linear& field, const Vec3& origin) {
+    const auto& [x, y, begin, end] = r;
+    const Vec3 offset(x - origin[0], y - origin[1], -origin[2]);
+    const typename Piece<C>::Value base = field.value + field.slope * offset;
+    for (int z = begin; z < end; z = (z | kInTile) + 1) {
+      const int last = std::min(end - 1, z | kInTile);
+      Tile<C>& tile = tileAt(x / kTile, y / kTile, z / kTile);
+      const int line = (y & kInTile) * kTile, row = (x & kInTile) * kTile * kTile + line;
+      tile.active[x & kInTile] |= (std::uint64_t{0xff} >> (kInTile - (last - z)))
+                                  << (line + (z & kInTile));
+      for (int k = z; k <= last; ++k) {
         for (int c = First; c < Last; ++c) {
-          const Vec3& s = slope[c - First];
-          const double base = values[0][c] + s[0] * dx + s[1] * dy + s[2] * dz;
-          double* out = tile_.values[c].data() + row;
-          for (int z = z0; z <= z1; ++z) out[z] = base + s[2] * z;
+          tile.values[c][row + (k & kInTile)] = base[c] + field.slope(c, 2) * k;
         }
       }
     }
   }
 
+  Tile<C>& tileAt(int i, int j, int k) {
+    const int n = (i * kPatchTiles + j) * kPatchTiles + k;
+    Tile<C>& tile = tiles_[n];
+    if (!used_[n]) {
+      used_[n] = true;
+      const int at[3] = {i, j, k};
+      for (int axis = 0; axis < 3; ++axis) {
+        tile.origin[axis] = static_cast<Int>(first_[axis]) + at[axis] * kTile;
+      }
+      for (auto& component : tile.values) component.fill(0);
+      tile.active.fill(0);
+    }
+    return tile;
+  }
+
   const double perVoxel_;
   const Vec3 origin_;
   const Sampling sampling_;
-  Tile<C> tile_;
+  Vec3 first_ = Vec3::Zero();  // the patch' first sample
+  std::vector<Tile<C>> tiles_;
+  std::array<bool, kPatchTiles * kPatchTiles * kPatchTiles> used_{};
 };
 
-/// Cells by the blocks of tiles that they meet, ascending in each.
+/// Cells by the blocks of patches that they meet, ascending in each.
 class BlockBins {
  public:
   BlockBins(Index cellCount, const IndexBox& tiles,
             const std::function<IndexBox(Index)>& tilesOfCell)
       : tilesOfCell_(tilesOfCell), first_(tiles.min) {
-    for (width_ = kBlockTiles; blockCount(tiles) > kMostBlocks; width_ *= 2) {
+    for (width_ = kPatchTiles; blockCount(tiles) > kMostBlocks; width_ *= 2) {
     }
     for (int k = 0; k < 3; ++k) counts_[k] = (tiles.max[k] - tiles.min[k]) / width_ + 1;
     // A fixed number of chunks counts and then fills in parallel; their order keeps cells sorted.
@@ -191,22 +286,24 @@ class BlockBins {
   }
 
   std::size_t blockCount() const { return begin_.size() - 1; }
-  int width() const { return width_; }
   const Index* begin(std::size_t block) const { return items_.data() + begin_[block]; }
   const Index* end(std::size_t block) const { return items_.data() + begin_[block + 1]; }
 
-  /// First and last tile of a block.
-  IndexBox tiles(std::size_t block) const {
+  /// Calls `visit` with the first tile of each patch of a block.
+  template <typename Visit>
+  void visitPatches(std::size_t block, const Visit& visit) const {
     const std::size_t perLayer = static_cast<std::size_t>(counts_[1]) * counts_[2];
     const Int at[3] = {static_cast<Int>(block / perLayer),
                        static_cast<Int>(block % perLayer / counts_[2]),
                        static_cast<Int>(block % counts_[2])};
-    IndexBox box;
-    for (int k = 0; k < 3; ++k) {
-      box.min[k] = first_[k] + at[k] * width_;
-      box.max[k] = box.min[k] + width_ - 1;
+    for (Int i = 0; i < width_; i += kPatchTiles) {
+      for (Int j = 0; j < width_; j += kPatchTiles) {
+        for (Int k = 0; k < width_; k += kPatchTiles) {
+          visit(std::array<Int, 3>{first_[0] + at[0] * width_ + i, first_[1] + at[1] * width_ + j,
+                                   first_[2] + at[2] * width_ + k});
+        }
+      }
     }
-    return box;
   }
 
  private:
@@ -233,7 +330,7 @@ class BlockBins {
   std::function<IndexBox(Index)> tilesOfCell_;
   std::array<Int, 3> first_;
   std::array<Int, 3> counts_{};
-  Int width_ = kBlockTiles;
+  Int width_ = kPatchTiles;
   Array<std::size_t> begin_;
   Array<Index> items_;
 };
@@ -270,63 +367,30 @@ void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sa
   const BlockBins blocks(source.complex().cellCount(), all,
                          [&](Index cell) { return tilesOfBox(source.cellBox(cell)); });
 
-  tbb::enumerable_thread_specific<TilePainter<C>> painters(
-      [&] { return TilePainter<C>(frame, sampling); });
-  std::vector<std::uint32_t> begin;
-  std::vector<Index> items;
-  for (std::size_t block = 0; block < blocks.blockCount(); ++block) {
-    reportProgress(progress, {stage, block, blocks.blockCount(), "blocks"});
-    const Index *first = blocks.begin(block), *last = blocks.end(block);
-    if (first == last) continue;
-    // Bin the block's cells to its tiles.
-    const IndexBox span = blocks.tiles(block);
-    const Int width = blocks.width();
-    const std::size_t tileCount = static_cast<std::size_t>(width) * width * width;
-    const auto visitTiles = [&](Index cell, const auto& visit) {
-      const IndexBox box = tilesOfBox(source.cellBox(cell));
-      Int from[3], to[3];
-      for (int k = 0; k < 3; ++k) {
-        from[k] = std::max(box.min[k], span.min[k]) - span.min[k];
-        to[k] = std::min(box.max[k], span.max[k]) - span.min[k];
-      }
-      for (Int i = from[0]; i <= to[0]; ++i) {
-        for (Int j = from[1]; j <= to[1]; ++j) {
-          for (Int k = from[2]; k <= to[2]; ++k) {
-            visit((static_cast<std::size_t>(i) * width + j) * width + k);
-          }
-        }
-      }
+  tbb::enumerable_thread_specific<PatchPainter<C>> painters(
+      [&] { return PatchPainter<C>(frame, sampling); });
+  const auto fillBlock = [&](std::size_t block) {
+    if (blocks.begin(block) == blocks.end(block)) return;
+    PatchPainter<C>& painter = painters.local();
+    const typename PieceSource<C>::Filter wanted = [&painter](const Box& box) {
+      return painter.wants(box);
     };
-    begin.assign(tileCount + 1, 0);
-    for (const Index* cell = first; cell != last; ++cell) {
-      visitTiles(*cell, [&](std::size_t t) { ++begin[t + 1]; });
-    }
-    for (std::size_t t = 1; t <= tileCount; ++t) begin[t] += begin[t - 1];
-    items.resize(begin.back());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (const Index* cell = first; cell != last; ++cell) {
-      visitTiles(*cell, [&](std::size_t t) { items[next[t]++] = *cell; });
-    }
+    const typename PieceSource<C>::Sink paint = [&painter](const Piece<C>& piece) {
+      painter.paint(piece);
+    };
+    blocks.visitPatches(block, [&](const std::array<Int, 3>& tile) {
+      painter.begin(tile);
+      for (const Index* cell = blocks.begin(block); cell != blocks.end(block); ++cell) {
+        source.visitPieces(*cell, wanted, paint);
+      }
+      painter.finish(sink);
+    });
+  };
+  const std::size_t atOnce = std::max(kFewestBlocks, blocks.blockCount() / kReports);
+  for (std::size_t block = 0; block < blocks.blockCount(); block += atOnce) {
+    reportProgress(progress, {stage, block, blocks.blockCount(), "blocks"});
     parallelFor<std::size_t>(
-        tileCount,
-        [&](std::size_t t) {
-          if (begin[t] == begin[t + 1]) return;
-          const Int i = static_cast<Int>(t / (static_cast<std::size_t>(width) * width)),
-                    j = static_cast<Int>(t / width % width), k = static_cast<Int>(t % width);
-          TilePainter<C>& painter = painters.local();
-          painter.begin(
-              {(span.min[0] + i) * kTile, (span.min[1] + j) * kTile, (span.min[2] + k) * kTile});
-          const typename PieceSource<C>::Filter wanted = [&](const Box& box) {
-            return painter.wants(box);
-          };
-          const typename PieceSource<C>::Sink paint = [&](const Piece<C>& piece) {
-            painter.paint(piece);
-          };
-          for (std::uint32_t n = begin[t]; n < begin[t + 1]; ++n) {
-            source.visitPieces(items[n], wanted, paint);
-          }
-          if (!painter.empty()) sink(painter.tile());
-        },
+        std::min(atOnce, blocks.blockCount() - block), [&](std::size_t k) { fillBlock(block + k); },
         1);
   }
   reportProgress(progress, {stage, blocks.blockCount(), blocks.blockCount(), "blocks"});

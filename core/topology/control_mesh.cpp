@@ -15,10 +15,13 @@
 namespace octet {
 namespace {
 
-/// Cells flatter than this times the cube of their longest edge are degenerate.
+/// Cells of less volume than this times the cube of their longest edge are degenerate, and those
+/// with a facet of less area than this times its square.
 constexpr double kFlatCell = 1e-12;
 /// Largest coordinate: products of four still are finite, and grids hold 32-bit floats.
 constexpr double kLargestCoordinate = 1e30;
+/// Least length of a cell's longest edge, likewise.
+constexpr double kSmallestCell = 1e-30;
 /// Boundary edges whose facets' normals differ by more are creases by default.
 constexpr double kCreaseAngle = 40.0;
 
@@ -187,12 +190,31 @@ class Builder {
         for (int j = 0; j < i; ++j)
           longest = std::max(longest, (point(cell, i) - point(cell, j)).norm());
       }
+      if (longest < kSmallestCell) {
+        throw InputError(name(cell), "is degenerate: its longest edge is " + number(longest));
+      }
       const double volume = cellVolume6(c_, in_.vertices, cell);
       if (!(std::abs(volume) > kFlatCell * longest * longest * longest)) {
         throw InputError(name(cell), "is degenerate: its volume is " + number(volume / 6) +
                                          ", its longest edge " + number(longest));
       }
+      checkFacetAreas(cell, longest);
       c_.cellSigns[cell] = volume > 0 ? 1 : -1;
+    }
+  }
+
+  /// An octahedron can have volume although two neighbouring vertices coincide.
+  void checkFacetAreas(Index cell, double longest) const {
+    for (int k = 0; k < c_.cellFacetCount(cell); ++k) {
+      const auto& [a, b, c] = facetVertices_[c_.cellFacet(cell, k).index()];
+      const Vec3 normal =
+          (in_.vertices[b] - in_.vertices[a]).cross(in_.vertices[c] - in_.vertices[a]);
+      if (!(normal.norm() > kFlatCell * longest * longest)) {
+        throw InputError(name(cell),
+                         "is degenerate: its facet " +
+                             tuple(facetVertices_[c_.cellFacet(cell, k).index()].data(), 3) +
+                             " has no area");
+      }
     }
   }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overlap.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -11,104 +13,222 @@
 namespace octet {
 namespace {
 
-/// Depth below a facet's plane, relative to the cell's size, from which a point counts as inside.
-constexpr double kInside = 1e-7;
+/// Depth, relative to the smaller cell's size, from which cells overlap; less is rounding.
+constexpr double kDepth = 1e-7;
+/// Sine of the angle below which two edges count as parallel.
+constexpr double kParallel = 1e-9;
+
+using Corners = std::array<Vec3, 4>;
+
+double volume6(const Corners& p) { return (p[1] - p[0]).dot((p[2] - p[0]).cross(p[3] - p[0])); }
+
+/// Keeps the tetrahedra from number `begin` on, if all have the same orientation.
+bool keepIfOriented(std::vector<Corners>* parts, std::size_t begin) {
+  bool positive = false, negative = false;
+  for (std::size_t k = begin; k < parts->size(); ++k) {
+    const double volume = volume6((*parts)[k]);
+    positive |= volume > 0;
+    negative |= volume < 0;
+  }
+  if (positive && negative) parts->resize(begin);
+  return !(positive && negative);
+}
+
+/// Appends the tetrahedra around one of an octahedron's diagonals or around its centroid, whichever
+/// fill it; none when it is so concave that neither do.
+void appendOctahedron(const std::array<Vec3, 6>& p, std::vector<Corners>* parts) {
+  // The diagonal, then the ring around it.
+  constexpr int kDiagonals[3][6] = {{0, 5, 1, 2, 3, 4}, {1, 3, 0, 2, 5, 4}, {2, 4, 0, 1, 5, 3}};
+  const std::size_t begin = parts->size();
+  for (const auto& [from, to, a, b, c, d] : kDiagonals) {
+    parts->push_back({p[from], p[to], p[a], p[b]});
+    parts->push_back({p[from], p[to], p[b], p[c]});
+    parts->push_back({p[from], p[to], p[c], p[d]});
+    parts->push_back({p[from], p[to], p[d], p[a]});
+    if (keepIfOriented(parts, begin)) return;
+  }
+  const Vec3 centroid = (p[0] + p[1] + p[2] + p[3] + p[4] + p[5]) / 6;
+  for (const auto& f : Octahedron::facets) {
+    parts->push_back({centroid, p[f[0]], p[f[1]], p[f[2]]});
+  }
+  keepIfOriented(parts, begin);
+}
+
+/// Is there room between two tetrahedra along an axis, but for `depth`?
+bool separatedAlong(const Vec3& axis, const Corners& a, const Corners& b, double depth) {
+  double aMin = HUGE_VAL, aMax = -HUGE_VAL, bMin = HUGE_VAL, bMax = -HUGE_VAL;
+  for (int k = 0; k < 4; ++k) {
+    const double x = axis.dot(a[k] - a[0]), y = axis.dot(b[k] - a[0]);
+    aMin = std::min(aMin, x);
+    aMax = std::max(aMax, x);
+    bMin = std::min(bMin, y);
+    bMax = std::max(bMax, y);
+  }
+  return std::min(aMax - bMin, bMax - aMin) <= depth * axis.norm();
+}
+
+/// Convex bodies are apart when they are so along a facet's normal or along the cross product of
+/// two edges.
+bool separated(const Corners& a, const Corners& b, double depth) {
+  constexpr int kFacets[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
+  constexpr int kEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+  for (const Corners* p : {&a, &b}) {
+    for (const auto& [i, j, k] : kFacets) {
+      const Vec3 normal = ((*p)[j] - (*p)[i]).cross((*p)[k] - (*p)[i]);
+      if (separatedAlong(normal, a, b, depth)) return true;
+    }
+  }
+  for (const auto& [i, j] : kEdges) {
+    for (const auto& [k, l] : kEdges) {
+      const Vec3 e = a[j] - a[i], f = b[l] - b[k], axis = e.cross(f);
+      if (axis.norm() <= kParallel * e.norm() * f.norm()) continue;
+      if (separatedAlong(axis, a, b, depth)) return true;
+    }
+  }
+  return false;
+}
+
+bool meet(const Box& a, const Box& b) {
+  return (a.min.array() < b.max.array()).all() && (b.min.array() < a.max.array()).all();
+}
+
+/// Boxes of any sizes, in a tree of boxes around halves of them.
+class BoxTree {
+ public:
+  explicit BoxTree(std::vector<Box> boxes)
+      : boxes_(std::move(boxes)), order_(boxes_.size()), nodes_(4 * boxes_.size() + 4) {
+    std::iota(order_.begin(), order_.end(), 0);
+    build(0, 0, order_.size());
+  }
+
+  const Box& box(Index k) const { return boxes_[k]; }
+
+  /// Calls `visit(k)` for every box that shares volume with `box`.
+  template <typename Visit>
+  void visitMeeting(const Box& box, const Visit& visit) const {
+    descend(0, 0, order_.size(), box, visit);
+  }
+
+ private:
+  static constexpr std::size_t kLeafSize = 4;
+
+  void build(std::size_t node, std::size_t begin, std::size_t end) {
+    Box& all = nodes_[node];
+    for (std::size_t k = begin; k < end; ++k) {
+      all.extend(boxes_[order_[k]].min);
+      all.extend(boxes_[order_[k]].max);
+    }
+    if (end - begin <= kLeafSize) return;
+    int axis = 0;
+    all.size().maxCoeff(&axis);
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto centre = [&](Index k) { return boxes_[k].min[axis] + boxes_[k].max[axis]; };
+    std::nth_element(order_.begin() + static_cast<std::ptrdiff_t>(begin),
+                     order_.begin() + static_cast<std::ptrdiff_t>(middle),
+                     order_.begin() + static_cast<std::ptrdiff_t>(end),
+                     [&](Index a, Index b) { return centre(a) < centre(b); });
+    build(2 * node + 1, begin, middle);
+    build(2 * node + 2, middle, end);
+  }
+
+  template <typename Visit>
+  void descend(std::size_t node, std::size_t begin, std::size_t end, const Box& box,
+               const Visit& visit) const {
+    if (!meet(nodes_[node], box)) return;
+    if (end - begin <= kLeafSize) {
+      for (std::size_t k = begin; k < end; ++k) {
+        if (meet(boxes_[order_[k]], box)) visit(order_[k]);
+      }
+      return;
+    }
+    const std::size_t middle = begin + (end - begin) / 2;
+    descend(2 * node + 1, begin, middle, box, visit);
+    descend(2 * node + 2, middle, end, box, visit);
+  }
+
+  std::vector<Box> boxes_;
+  std::vector<Index> order_;
+  std::vector<Box> nodes_;  // children of node k: 2 k + 1, 2 k + 2
+};
 
 class OverlapFinder {
  public:
   OverlapFinder(const Complex& complex, const Array<Vec3>& positions)
-      : c_(complex), x_(positions), bins_(complex.cellCount(), [&](Index k) { return box(k); }) {}
+      : c_(complex), x_(positions), tree_(boxes()) {
+    parts_.reserve(static_cast<std::size_t>(c_.tetCount()) + 4 * c_.octs.size());
+    for (const auto& [a, b, c, d] : c_.tets) parts_.push_back({x_[a], x_[b], x_[c], x_[d]});
+    for (const auto& [a, b, c, d, e, f] : c_.octs) {
+      octParts_.push_back(parts_.size());
+      appendOctahedron({x_[a], x_[b], x_[c], x_[d], x_[e], x_[f]}, &parts_);
+    }
+    octParts_.push_back(parts_.size());
+  }
 
   std::optional<Overlap> run() const {
-    // The lowest probe that overlaps, so that the message does not depend on threads.
-    const Index cells = c_.cellCount(), probes = cells + c_.vertexCount();
+    // The lowest cell that overlaps an earlier one, so that the message does not depend on threads.
+    const Index cells = c_.cellCount();
     const Index first = tbb::parallel_reduce(
-        tbb::blocked_range<Index>(0, probes, 256), probes,
+        tbb::blocked_range<Index>(0, cells, 64), cells,
         [&](const tbb::blocked_range<Index>& range, Index best) {
           for (Index k = range.begin(); k != range.end() && k < best; ++k) {
-            if (probe(k)) return k;
+            if (earlierOverlap(k) != kNone) return k;
           }
           return best;
         },
         [](Index a, Index b) { return std::min(a, b); });
-    return first < probes ? probe(first) : std::nullopt;
+    if (first == cells) return std::nullopt;
+    return Overlap{first, earlierOverlap(first)};
   }
 
  private:
-  Box box(Index cell) const {
-    Box b;
-    for (int i = 0; i < c_.cellVertexCount(cell); ++i) b.extend(x_[c_.cellVertex(cell, i)]);
-    return b;
+  std::vector<Box> boxes() const {
+    std::vector<Box> result(c_.cellCount());
+    for (Index cell = 0; cell < c_.cellCount(); ++cell) {
+      for (int i = 0; i < c_.cellVertexCount(cell); ++i) {
+        result[cell].extend(x_[c_.cellVertex(cell, i)]);
+      }
+    }
+    return result;
   }
 
-  std::optional<Overlap> probe(Index k) const {
-    const Index cells = c_.cellCount();
-    const bool centroid = k < cells;
-    Vec3 p = Vec3::Zero();
-    if (centroid) {
-      const int n = c_.cellVertexCount(k);
-      for (int i = 0; i < n; ++i) p += x_[c_.cellVertex(k, i)] / n;
-      // The centroid of a very concave octahedron need not be its own.
-      if (!inside(k, p)) return std::nullopt;
-    } else {
-      p = x_[k - cells];
-    }
-    std::optional<Overlap> found;
-    bins_.visitAt(p, [&](Index cell) {
-      if (centroid && cell == k) return false;
-      if (!centroid && hasVertex(cell, k - cells)) return false;
-      if (!inside(cell, p)) return false;
-      const Index self = centroid ? k : cellAt(k - cells);
-      if (self == kNone) return false;  // a vertex that no cell uses
-      found = Overlap{self, cell};
-      return true;
+  struct Parts {
+    const Corners *first, *last;
+    const Corners* begin() const { return first; }
+    const Corners* end() const { return last; }
+  };
+
+  Parts parts(Index cell) const {
+    const Corners* all = parts_.data();
+    if (c_.isTet(cell)) return {all + cell, all + cell + 1};
+    const Index oct = cell - c_.tetCount();
+    return {all + octParts_[oct], all + octParts_[oct + 1]};
+  }
+
+  Index earlierOverlap(Index cell) const {
+    const Box& box = tree_.box(cell);
+    Index found = kNone;
+    tree_.visitMeeting(box, [&](Index other) {
+      if (other >= cell || (found != kNone && other > found)) return;
+      const double size = std::min(box.size().norm(), tree_.box(other).size().norm());
+      if (overlap(parts(cell), parts(other), kDepth * size)) found = other;
     });
     return found;
   }
 
-  bool hasVertex(Index cell, Index v) const {
-    for (int i = 0; i < c_.cellVertexCount(cell); ++i) {
-      if (c_.cellVertex(cell, i) == v) return true;
+  static bool overlap(const Parts& a, const Parts& b, double depth) {
+    for (const Corners& p : a) {
+      for (const Corners& q : b) {
+        if (!separated(p, q, depth)) return true;
+      }
     }
     return false;
   }
 
-  Index cellAt(Index v) const {
-    Index first = kNone;
-    c_.visitVertexStar(v, [&](const CellAtVertex& at) {
-      if (first == kNone) first = at.cell;
-    });
-    return first;
-  }
-
-  /// Strictly inside: the cell's boundary winds once around the point, which is off every facet.
-  bool inside(Index cell, const Vec3& p) const {
-    const Box b = box(cell);
-    if (!b.contains(p)) return false;
-    const double margin = kInside * b.size().norm();
-    const auto* facets = c_.isTet(cell) ? Tetrahedron::facets : Octahedron::facets;
-    double angle = 0;
-    for (int k = 0; k < c_.cellFacetCount(cell); ++k) {
-      const Vec3 a = x_[c_.cellVertex(cell, facets[k][0])] - p;
-      const Vec3 e = x_[c_.cellVertex(cell, facets[k][1])] - p;
-      const Vec3 f = x_[c_.cellVertex(cell, facets[k][2])] - p;
-      const double volume = a.dot(e.cross(f));
-      const Vec3 normal = (e - a).cross(f - a);
-      if (std::abs(volume) <= margin * normal.norm() && c_.isTet(cell)) return false;
-      const double la = a.norm(), le = e.norm(), lf = f.norm();
-      if (la <= margin || le <= margin || lf <= margin) return false;
-      const double solid =
-          2 * std::atan2(volume, la * le * lf + a.dot(e) * lf + e.dot(f) * la + f.dot(a) * le);
-      // On a facet the solid angle is half of a full turn.
-      if (std::abs(volume) <= margin * normal.norm() && std::abs(solid) > 6.2) return false;
-      angle += solid;
-    }
-    return std::abs(angle) > 6.3;  // 4 pi inside, 0 outside
-  }
-
   const Complex& c_;
   const Array<Vec3>& x_;
-  BoxBins bins_;
+  BoxTree tree_;
+  std::vector<Corners> parts_;         // of the tetrahedra, one each, then of the octahedra
+  std::vector<std::size_t> octParts_;  // where those of each octahedron begin
 };
 
 }  // namespace

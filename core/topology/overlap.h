@@ -12,9 +12,9 @@ struct Overlap {
   Index cell, other;
 };
 
-/// @brief Looks for cells that overlap without sharing a facet: a vertex or a cell's centroid that
-/// lies strictly inside another cell. Cells that fold over at a shared facet are found earlier,
-/// from orientation; two cells that only cross with thin parts can escape.
+/// @brief Looks for cells that overlap, whether or not they share vertices, and returns the first
+/// one that overlaps an earlier one. An octahedron so concave that no diagonal splits it into
+/// tetrahedra, nor its centroid, is not looked at.
 std::optional<Overlap> findOverlap(const Complex& complex, const Array<Vec3>& positions);
 
 }  // namespace octet

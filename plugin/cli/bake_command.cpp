@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -15,37 +17,56 @@ namespace octet::cli {
 namespace {
 
 struct Arguments {
-  std::string control, output, levels = "auto", frames;
+  std::string control, output, levels = "auto";
+  std::optional<std::string> frames;
   bool json = false;
   BakeOptions options;
 };
 
+/// Digits only, and nothing after them.
+std::optional<int> parseNumber(std::string_view text) {
+  int number = 0;
+  const char* const last = text.data() + text.size();
+  const auto [end, status] = std::from_chars(text.data(), last, number);
+  if (status != std::errc() || end != last || number < 0) return std::nullopt;
+  return number;
+}
+
 std::optional<int> parseLevels(const std::string& text) {
   if (text == "auto") return std::nullopt;
-  std::size_t end = 0;
-  int levels = -1;
-  try {
-    levels = std::stoi(text, &end);
-  } catch (const std::exception&) {
-  }
-  if (end != text.size() || levels < 0 || levels > 12) {
+  const auto levels = parseNumber(text);
+  if (!levels || *levels > 12) {
     throw InputError("--levels", "\"" + text + "\" is neither auto nor a number from 0 to 12");
   }
   return levels;
 }
 
 /// "A-B" or "A".
-std::optional<std::pair<int, int>> parseFrames(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  int first = 0, last = 0, end = 0;
-  const int n = static_cast<int>(text.size());
-  if (std::sscanf(text.c_str(), "%d-%d%n", &first, &last, &end) == 2 && end == n && first >= 0) {
-    return std::pair{first, last};
+std::pair<int, int> parseFrames(const std::string& text) {
+  const std::string_view view = text;
+  const std::size_t dash = view.find('-');
+  const auto first = parseNumber(view.substr(0, dash));
+  const auto last = dash == view.npos ? first : parseNumber(view.substr(dash + 1));
+  if (!first || !last) {
+    throw InputError("--frames", "\"" + text + "\" is neither a frame nor a range A-B");
   }
-  if (std::sscanf(text.c_str(), "%d%n", &first, &end) == 1 && end == n && first >= 0) {
-    return std::pair{first, first};
+  return std::pair{*first, *last};
+}
+
+std::string checkPositive(const std::string& text) {
+  double x = 0;
+  const bool positive = CLI::detail::lexical_cast(text, x) && x > 0 && std::isfinite(x);
+  return positive ? "" : "\"" + text + "\" is not a positive number";
+}
+
+/// An error of the asset as a whole has no place, but it has a file.
+BakeReport bakeFrom(const std::string& control, const ControlAsset& asset,
+                    const BakeOptions& options, const std::string& path) {
+  try {
+    return bake(asset, options, path);
+  } catch (const InputError& e) {
+    throw e.file().empty() && e.place().empty() ? e.inFile(control) : e;
   }
-  throw InputError("--frames", "\"" + text + "\" is neither a frame nor a range A-B");
 }
 
 nlohmann::ordered_json toJson(const VdbGridInfo& grid) {
@@ -77,7 +98,7 @@ void print(const BakeReport& report, double seconds, bool json) {
         {"levels", report.levels},      {"cells", report.cells}, {"voxel_size", report.voxelSize},
         {"mean_edge", report.meanEdge}, {"seconds", seconds},    {"note", report.note},
         {"files", std::move(files)}};
-    std::cout << document.dump(2) << "\n";
+    std::cout << text(document) << "\n";
     return;
   }
   std::printf("%d levels, %s cells, mean edge %.4g, voxel %.4g\n", report.levels,
@@ -99,16 +120,26 @@ void run(Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   BakeOptions& options = arguments.options;
   options.levels = parseLevels(arguments.levels);
-  options.frames = parseFrames(arguments.frames);
+  if (arguments.frames) options.frames = parseFrames(*arguments.frames);
   options.progress = consoleProgress();
+  checkOutput(arguments.control, arguments.output);
   const ControlAsset asset = readAsset(arguments.control);
-  const BakeReport report = bake(asset, options, arguments.output);
+  const BakeReport report = bakeFrom(arguments.control, asset, options, arguments.output);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(report, seconds, arguments.json);
 }
 
 }  // namespace
+
+void addBoundary(CLI::App* command, BoundaryChoice* choice) {
+  addChoice<BoundaryChoice>(command, "--boundary", choice,
+                            {{"auto", BoundaryChoice::Auto},
+                             {"walls", BoundaryChoice::Walls},
+                             {"open", BoundaryChoice::Open}},
+                            "walls: what is zero at the boundary stays zero; open: constants are "
+                            "exact there; auto: walls for forms that are zero there");
+}
 
 void addBake(CLI::App* program) {
   const auto arguments = std::make_shared<Arguments>();
@@ -121,37 +152,29 @@ void addBake(CLI::App* program) {
   command
       ->add_option("-o,--output", arguments->output, "The .vdb to write; name.####.vdb if animated")
       ->required();
-  command->add_option("--form", options.forms, "Form to bake, by name; all by default");
+  command
+      ->add_option("--form", options.forms,
+                   "Form to bake, by name; may be repeated; all by default")
+      ->allow_extra_args(false);  // else it takes CONTROL for a form
   command->add_flag("--d", options.derivative,
                     "Bake the exterior derivative: the velocity of a vector potential");
-  auto* size = command->add_option("--voxel-size", options.voxelSize, "Voxel size, world units");
+  auto* size = command->add_option("--voxel-size", options.voxelSize, "Voxel size, world units")
+                   ->check(checkPositive);
   command->add_option("--resolution", options.resolution, "Voxels along the domain's longest side")
+      ->check(checkPositive)
       ->excludes(size);
   command
       ->add_option("--levels", arguments->levels,
                    "Subdivisions; auto: until the mean edge is at most 2 voxels")
       ->capture_default_str();
-  const std::map<std::string, BoundaryChoice> boundaries = {{"auto", BoundaryChoice::Auto},
-                                                            {"walls", BoundaryChoice::Walls},
-                                                            {"open", BoundaryChoice::Open}};
-  command
-      ->add_option("--boundary", options.boundary,
-                   "walls: what is zero at the boundary stays zero; open: constants are exact "
-                   "there; auto: walls for forms that are zero there")
-      ->transform(CLI::CheckedTransformer(boundaries, CLI::ignore_case))
-      ->option_text("auto|walls|open");
-  const std::map<std::string, Sampling> samplings = {{"collocated", Sampling::Collocated},
-                                                     {"staggered", Sampling::Staggered}};
-  command->add_option("--grid", options.sampling, "Where a voxel's components are sampled")
-      ->transform(CLI::CheckedTransformer(samplings, CLI::ignore_case))
-      ->option_text("collocated|staggered");
-  const std::map<std::string, Reconstruction> reconstructions = {
-      {"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}};
-  command
-      ->add_option("--reconstruction", options.reconstruction,
-                   "limit: smooth, second order; whitney: Whitney forms on the finest level")
-      ->transform(CLI::CheckedTransformer(reconstructions, CLI::ignore_case))
-      ->option_text("limit|whitney");
+  addBoundary(command, &options.boundary);
+  addChoice<Sampling>(command, "--grid", &options.sampling,
+                      {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}},
+                      "Where a voxel's components are sampled");
+  addChoice<Reconstruction>(
+      command, "--reconstruction", &options.reconstruction,
+      {{"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}},
+      "limit: smooth, second order; whitney: Whitney forms on the finest level");
   command->add_option("--target", options.target, "Conventions of the program that reads the grids")
       ->option_text("openvdb|blender|houdini|arnold|renderman");
   command->add_flag("--half", options.half, "Store 16-bit floats");

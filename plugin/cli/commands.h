@@ -2,6 +2,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <octet/converters/control_asset/refined_document.h>
 
 /// @file
 /// The subcommands of octetvdb: each adds itself to the program and runs when it was chosen.
@@ -11,5 +16,28 @@ namespace octet::cli {
 void addBake(CLI::App* program);
 void addInfo(CLI::App* program);
 void addRefine(CLI::App* program);
+
+/// Adds an option that takes one of some names, in any case.
+template <typename T>
+void addChoice(CLI::App* command, const std::string& option, T* value,
+               const std::vector<std::pair<std::string, T>>& choices, const std::string& help) {
+  std::string names, alternatives;
+  for (const auto& [name, choice] : choices) {
+    names += (names.empty() ? "" : ", ") + name;
+    alternatives += (alternatives.empty() ? "" : "|") + name;
+  }
+  const auto choose = [=](const std::string& text) {
+    for (const auto& [name, choice] : choices) {
+      if (CLI::detail::to_lower(text) != name) continue;
+      *value = choice;
+      return;
+    }
+    throw CLI::ValidationError(option, "\"" + text + "\" is none of " + names);
+  };
+  command->add_option_function<std::string>(option, choose, help)->option_text(alternatives);
+}
+
+/// Adds --boundary.
+void addBoundary(CLI::App* command, BoundaryChoice* choice);
 
 }  // namespace octet::cli

@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "console.h"
 
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include <unistd.h>
+
+#include <octet/converters/io/atomic_file.h>
+#include <octet/core/base/error.h>
+#ifdef OCTETVDB_WITH_GMSH
+#include <octet/converters/gmsh/gmsh_import.h>
+#endif
 
 namespace octet::cli {
 namespace {
 
-volatile std::sig_atomic_t interrupts = 0;
+volatile std::sig_atomic_t interrupt = 0;
 
 extern "C" void onInterrupt(int signal) {
-  interrupts = 1;
+  interrupt = signal;
   std::signal(signal, SIG_DFL);  // a second one ends the program at once
 }
 
@@ -22,7 +31,7 @@ class ProgressLine {
  public:
   bool report(const ProgressReport& report) {
     using namespace std::chrono;
-    if (interrupts) {
+    if (interrupt) {
       clear();
       return false;
     }
@@ -63,18 +72,47 @@ class ProgressLine {
 
 }  // namespace
 
-void watchForInterrupt() { std::signal(SIGINT, onInterrupt); }
-bool interrupted() { return interrupts != 0; }
+void watchForInterrupt() {
+  std::signal(SIGINT, onInterrupt);
+  std::signal(SIGTERM, onInterrupt);
+}
+int interruptSignal() { return interrupt; }
 
 ProgressCallback consoleProgress() {
   if (!::isatty(STDERR_FILENO)) {
-    return [](const ProgressReport&) { return interrupts == 0; };
+    return [](const ProgressReport&) { return interrupt == 0; };
   }
   const auto line = std::make_shared<ProgressLine>();
   return [line](const ProgressReport& report) { return line->report(report); };
 }
 
-ControlAsset readAsset(const std::string& path) { return readControlAsset(path); }
+ControlAsset readAsset(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension != ".msh" && extension != ".mesh" && extension != ".vtk") {
+    return readControlAsset(path);
+  }
+#ifdef OCTETVDB_WITH_GMSH
+  return readGmshMesh(path);
+#else
+  throw InputError(path, "",
+                   "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which reads " +
+                       extension + " files");
+#endif
+}
+
+void checkOutput(const std::string& control, const std::string& output) {
+  if (output.empty()) throw InputError("--output", "is empty");
+  std::error_code absent;
+  if (std::filesystem::equivalent(control, output, absent)) {
+    throw InputError("--output", "is the control asset itself");
+  }
+  const AtomicFile trial(output);
+}
+
+std::string text(const nlohmann::ordered_json& document) {
+  return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
 std::string grouped(std::int64_t n) {
   std::string text = std::to_string(n);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include <octet/converters/control_asset/control_asset.h>
@@ -11,12 +12,20 @@ namespace octet::cli {
 /// Progress with rate and time left on stderr, when that is a terminal; cancels on Ctrl-C.
 ProgressCallback consoleProgress();
 
-/// From now on Ctrl-C makes the next progress report cancel; a second one ends the program.
+/// From now on Ctrl-C, or the SIGTERM of a farm, makes the next progress report cancel; a second
+/// one ends the program.
 void watchForInterrupt();
-bool interrupted();
+/// The signal that did; 0 when none.
+int interruptSignal();
 
 /// Reads a control asset, or a mesh in a format that the Gmsh SDK knows.
 ControlAsset readAsset(const std::string& path);
+
+/// Refuses, before work is put into it, an output that cannot be written.
+void checkOutput(const std::string& control, const std::string& output);
+
+/// Indented JSON; text that is not UTF-8, such as a file's name, is made so.
+std::string text(const nlohmann::ordered_json& document);
 
 /// "1,234,567"
 std::string grouped(std::int64_t n);

@@ -161,12 +161,12 @@ void printPlain(const Json& value, const std::string& indent) {
     } else if (entry.is_object()) {
       std::cout << indent << key << ":";
       for (const auto& [name, n] : entry.items()) {
-        std::cout << "  " << name << " " << (n.is_string() ? n.get<std::string>() : n.dump());
+        std::cout << "  " << name << " " << (n.is_string() ? n.get<std::string>() : text(n));
       }
       std::cout << "\n";
     } else {
       std::cout << indent << key << ": "
-                << (entry.is_string() ? entry.get<std::string>() : entry.dump()) << "\n";
+                << (entry.is_string() ? entry.get<std::string>() : text(entry)) << "\n";
     }
   }
 }
@@ -175,7 +175,7 @@ void run(const Arguments& arguments) {
   const bool vdb = std::filesystem::path(arguments.path).extension() == ".vdb";
   const Json document = vdb ? describeVdb(arguments.path) : describeAsset(arguments.path);
   if (arguments.json) {
-    std::cout << document.dump(2) << "\n";
+    std::cout << text(document) << "\n";
   } else {
     printPlain(document, "");
   }

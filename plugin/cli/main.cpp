@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <cstdio>
 #include <iostream>
 #include <memory>
 
@@ -12,13 +14,29 @@
 
 namespace {
 
-/// What a shell reports for a program that Ctrl-C ended.
-constexpr int kInterrupted = 130;
+/// What a shell reports for a program that a signal ended, less the signal's number.
+constexpr int kInterrupted = 128;
 constexpr int kFailed = 1, kBadInput = 2;
+/// Longest message; names in a malformed file can be of any length.
+constexpr std::size_t kLongestMessage = 4000;
 
-int fail(const std::string& message, int code) {
+/// One line on stderr, whatever the names in the message hold.
+int fail(std::string message, int code) {
+  for (char& c : message) {
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+  }
+  if (message.size() > kLongestMessage) message = message.substr(0, kLongestMessage) + "...";
   std::cerr << "octetvdb: " << message << "\n";
   return code;
+}
+
+int failUsage(const CLI::App& program, const CLI::ParseError& e) {
+  std::string command = "octetvdb", message = e.what();
+  for (const CLI::App* chosen : program.get_subcommands()) command += " " + chosen->get_name();
+  if (program.get_subcommands().empty() && program.remaining_size() > 0) {
+    message = "there is no command \"" + program.remaining().front() + "\"";
+  }
+  return fail(message + "; see " + command + " --help", kBadInput);
 }
 
 }  // namespace
@@ -46,19 +64,24 @@ int main(int argc, char** argv) {
   octet::cli::addInfo(&program);
   octet::cli::addRefine(&program);
   octet::cli::watchForInterrupt();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit is then an error like a full disk
   try {
     program.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    program.exit(e);
   } catch (const CLI::ParseError& e) {
-    const int code = program.exit(e);
-    return code == 0 ? 0 : kBadInput;
+    return failUsage(program, e);
   } catch (const octet::Cancelled&) {
-    return fail("cancelled", kInterrupted);
+    return fail("cancelled", kInterrupted + octet::cli::interruptSignal());
   } catch (const octet::InputError& e) {
     return fail(e.what(), kBadInput);
   } catch (const std::bad_alloc&) {
     return fail("not enough memory", kFailed);
   } catch (const std::exception& e) {
     return fail(e.what(), kFailed);
+  }
+  if (!std::cout.flush() || std::fflush(stdout) != 0) {
+    return fail("the summary could not be written to standard output", kFailed);
   }
   return 0;
 }

@@ -14,14 +14,46 @@ struct Arguments {
   std::string control, output;
   RefinerOptions options;
   BoundaryChoice boundary = BoundaryChoice::Auto;
-  int frame = 0;
+  std::optional<int> frame;
 };
+
+/// More cells than this are refused, for memory and for the size of the document.
+constexpr double kMostCells = 1e8;
+
+/// A tetrahedron becomes four and an octahedron, an octahedron six and eight tetrahedra.
+void checkSize(const Complex& control, int levels) {
+  double tets = control.tetCount(), octs = control.octCount();
+  for (int level = 0; level < levels; ++level) {
+    const double coarseTets = tets;
+    tets = 4 * tets + 8 * octs;
+    octs = coarseTets + 6 * octs;
+  }
+  if (tets + octs > kMostCells) {
+    throw InputError("--levels", std::to_string(levels) + " would make " +
+                                     grouped(static_cast<std::int64_t>(tets + octs)) +
+                                     " cells, more than " +
+                                     grouped(static_cast<std::int64_t>(kMostCells)));
+  }
+}
+
+void checkFrame(const ControlAsset& asset, int frame) {
+  const auto range = asset.frameRange();
+  if (!range) throw InputError("--frame", "the asset's forms are not animated");
+  if (frame < range->first || frame > range->second) {
+    throw InputError("--frame", "the asset has frames " + std::to_string(range->first) + "-" +
+                                    std::to_string(range->second));
+  }
+}
 
 void run(Arguments& arguments) {
   arguments.options.progress = consoleProgress();
+  checkOutput(arguments.control, arguments.output);
   const ControlAsset asset = readAsset(arguments.control);
+  checkSize(*asset.mesh.complex(), arguments.options.levels);
+  if (arguments.frame) checkFrame(asset, *arguments.frame);
   const Refiner refiner(asset.mesh, arguments.options);
-  writeRefinedDocument(asset, refiner, arguments.boundary, arguments.frame, arguments.output);
+  writeRefinedDocument(asset, refiner, arguments.boundary, arguments.frame.value_or(0),
+                       arguments.output);
 }
 
 }  // namespace
@@ -38,12 +70,7 @@ void addRefine(CLI::App* program) {
   command->add_option("--levels", arguments->options.levels, "Subdivisions")
       ->check(CLI::Range(0, 12))
       ->required();
-  const std::map<std::string, BoundaryChoice> boundaries = {{"auto", BoundaryChoice::Auto},
-                                                            {"walls", BoundaryChoice::Walls},
-                                                            {"open", BoundaryChoice::Open}};
-  command->add_option("--boundary", arguments->boundary, "Boundary mode, see bake")
-      ->transform(CLI::CheckedTransformer(boundaries, CLI::ignore_case))
-      ->option_text("auto|walls|open");
+  addBoundary(command, &arguments->boundary);
   command
       ->add_option("--zeta", arguments->options.zeta, "Free weight of the octahedron's linear rule")
       ->capture_default_str();

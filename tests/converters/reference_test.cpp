@@ -101,8 +101,8 @@ std::vector<std::string> files() {
   return list;
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, Reference, ::testing::ValuesIn(files()), [](const auto& info) {
-  std::string name = fs::path(info.param).stem().string();
+INSTANTIATE_TEST_SUITE_P(Files, Reference, ::testing::ValuesIn(files()), [](const auto& mesh) {
+  std::string name = fs::path(mesh.param).stem().string();
   for (char& c : name) {
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   }

@@ -149,7 +149,9 @@ TEST_P(WhitneyOn, ConstantsAreExactEverywhere) {
     const bool affine = GetParam().name.find("deformed") == std::string::npos;
     EXPECT_LT((value - constant).norm(), affine ? 1e-12 : 0.2);
     ASSERT_TRUE(field3.sample(p, &scalar));
-    if (affine) EXPECT_NEAR(scalar[0], 2.5, 1e-12);
+    if (affine) {
+      EXPECT_NEAR(scalar[0], 2.5, 1e-12);
+    }
   }
   EXPECT_GT(inside, 20);
 }
@@ -207,7 +209,9 @@ TEST_P(LimitOn, NothingCrossesClosedWalls) {
                             .normalized();
     for (const Index x : v) {
       const double leak = std::abs(vectors[x].dot(normal));
-      if (flat) EXPECT_LT(leak, 1e-12 * (1 + vectors[x].norm()));
+      if (flat) {
+        EXPECT_LT(leak, 1e-12 * (1 + vectors[x].norm()));
+      }
     }
   }
   if (flat) {

@@ -173,8 +173,8 @@ TEST_P(SplitOf, VertexTypesAreThoseOfWhereVerticesLie) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, SplitOf, ::testing::ValuesIn(testing::allKinds()),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
+                         [](const auto& mesh) {
+                           std::string name = mesh.param.name;
                            for (char& ch : name) {
                              if (!std::isalnum(static_cast<unsigned char>(ch))) ch = '_';
                            }
