@@ -3,82 +3,13 @@
 
 #include <Eigen/Dense>
 
-#include "../rules/local_linear.h"
+#include "whitney_piece.h"
 
 namespace octet {
 namespace {
 
 /// Octahedra this many splits down are filled with a constant: 2^-20 of the cell's size.
 constexpr int kDeepest = 20;
-
-/// Coefficients of a form on one cell: vertices; edges, lower to higher local vertex; outward
-/// facets; or the cell's mass.
-template <int K, typename Shape>
-inline constexpr int kLocalCount = K == 0   ? Shape::kVertices
-                                   : K == 1 ? Shape::kEdges
-                                   : K == 2 ? Shape::kFacets
-                                            : 1;
-template <int K, typename Shape>
-using LocalForm = std::array<double, kLocalCount<K, Shape>>;
-
-template <int K, typename Shape>
-LocalForm<K, Shape> localForm(const Complex& c, Index cell, const Cochain<K>& form) {
-  LocalForm<K, Shape> local;
-  for (int k = 0; k < kLocalCount<K, Shape>; ++k) {
-    if constexpr (K == 0) local[k] = form[c.cellVertex(cell, k)];
-    if constexpr (K == 1)
-      local[k] = form.at(c.cellEdge(cell, Shape::edges[k][0], Shape::edges[k][1]));
-    if constexpr (K == 2) local[k] = form.at(c.cellFacet(cell, k));
-    if constexpr (K == 3) local[k] = form[cell];
-  }
-  return local;
-}
-
-template <typename Shape>
-double volume6(const std::array<Vec3, Shape::kVertices>& p) {
-  Vec3 centroid = Vec3::Zero();
-  for (const Vec3& x : p) centroid += x / static_cast<double>(Shape::kVertices);
-  double sum = 0;
-  for (const auto& f : Shape::facets) {
-    sum += (p[f[0]] - centroid).dot((p[f[1]] - centroid).cross(p[f[2]] - centroid));
-  }
-  return sum;
-}
-
-/// The Whitney form in a tetrahedron (thesis 3.2.2), by its values at the corners.
-/// @param p      corners in the world
-/// @param shape  the same up to a translation, with all digits of their differences
-template <int K>
-Piece<kComponents<K>> whitneyPiece(const std::array<Vec3, 4>& p, const std::array<Vec3, 4>& shape,
-                                   const LocalForm<K, Tetrahedron>& w) {
-  Piece<kComponents<K>> piece;
-  piece.points = p;
-  const Barycentric lambda(shape);
-  for (int a = 0; a < 4; ++a) {
-    auto& value = piece.values[a];
-    value.setZero();
-    if constexpr (K == 0) value[0] = w[a];
-    if constexpr (K == 1) {
-      for (int b = 0; b < 4; ++b) {
-        if (b == a) continue;
-        const int e = kCellTables<Tetrahedron>.edgeBetween[a][b];
-        value += (a < b ? w[e] : -w[e]) * lambda.gradients[b];
-      }
-    }
-    if constexpr (K == 2) {
-      for (int f = 0; f < 4; ++f) {
-        const auto& t = Tetrahedron::facets[f];
-        for (int s = 0; s < 3; ++s) {
-          if (t[s] != a) continue;
-          value +=
-              2 * w[f] * lambda.gradients[t[(s + 1) % 3]].cross(lambda.gradients[t[(s + 2) % 3]]);
-        }
-      }
-    }
-    if constexpr (K == 3) value[0] = w[0] / std::abs(volume6<Tetrahedron>(shape) / 6);
-  }
-  return piece;
-}
 
 /// The constant nearest to a form on an octahedron.
 template <int K>
@@ -106,69 +37,6 @@ typename Piece<kComponents<K>>::Value nearestConstant(const std::array<Vec3, 6>&
   }
   return value;
 }
-
-/// Linear subdivision of a form on an octahedron, as matrices to its children's coefficients.
-template <int K>
-class OctahedronSplit {
- public:
-  explicit OctahedronSplit(const LinearRules& rules) {
-    const auto& split = SplitTables<Octahedron>::get();
-    for (int k = 0; k < 8; ++k) fill<Tetrahedron>(rules, split.tets[k], &tets_[k], 1.0 / 32);
-    for (int k = 0; k < 6; ++k) fill<Octahedron>(rules, split.octs[k], &octs_[k], 1.0 / 8);
-  }
-
-  LocalForm<K, Tetrahedron> tet(int k, const LocalForm<K, Octahedron>& w) const {
-    return multiply<Tetrahedron>(tets_[k], w);
-  }
-  LocalForm<K, Octahedron> oct(int k, const LocalForm<K, Octahedron>& w) const {
-    return multiply<Octahedron>(octs_[k], w);
-  }
-
- private:
-  template <typename Shape>
-  using Matrix = std::array<LocalForm<K, Octahedron>, kLocalCount<K, Shape>>;
-
-  template <typename Shape>
-  static void fill(const LinearRules& rules, const std::uint8_t* child, Matrix<Shape>* matrix,
-                   double massShare) {
-    const LocalLinear<Octahedron> linear(rules);
-    for (int k = 0; k < kLocalCount<K, Shape>; ++k) {
-      auto& row = (*matrix)[k];
-      row.fill(0);
-      if constexpr (K == 0) {
-        const int label = child[k];
-        if (label == kCentreLabel) {
-          row.fill(1.0 / 6);
-        } else if (label < 6) {
-          row[label] = 1;
-        } else {
-          for (const int i : Octahedron::edges[label - 6]) row[i] = 0.5;
-        }
-      } else if constexpr (K == 1) {
-        row = linear.edge(child[Shape::edges[k][0]], child[Shape::edges[k][1]]);
-      } else if constexpr (K == 2) {
-        const auto& t = Shape::facets[k];
-        row = linear.facet(child[t[0]], child[t[1]], child[t[2]]);
-      } else {
-        row[0] = massShare;
-      }
-    }
-  }
-
-  template <typename Shape>
-  static LocalForm<K, Shape> multiply(const Matrix<Shape>& matrix,
-                                      const LocalForm<K, Octahedron>& w) {
-    LocalForm<K, Shape> result;
-    for (std::size_t k = 0; k < result.size(); ++k) {
-      result[k] = 0;
-      for (std::size_t j = 0; j < w.size(); ++j) result[k] += matrix[k][j] * w[j];
-    }
-    return result;
-  }
-
-  std::array<Matrix<Tetrahedron>, 8> tets_;
-  std::array<Matrix<Octahedron>, 6> octs_;
-};
 
 /// Linear pieces of an octahedron's Whitney form, by recursion into its child octahedra.
 template <int K>
