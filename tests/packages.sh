@@ -17,5 +17,5 @@ install_packages() {
 BUILD_PACKAGES=(g++ cmake ninja-build libtbb-dev libeigen3-dev libopenvdb-dev
   libboost-iostreams-dev nlohmann-json3-dev libcli11-dev libgmsh-dev)
 # What the tests need besides.
-TEST_PACKAGES=(libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-numpy
+TEST_PACKAGES=(libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-numpy python3-gmsh
   libopenvdb-tools clang-format)

@@ -3,7 +3,8 @@
 """A ball cut from the regular lattice of tetrahedra and octahedra, with all four degrees of form.
 
 Away from its boundary every vertex is regular, and the flow is exactly the thesis' smooth scheme.
-`velocity` is an ABC flow (divergence-free), `force` the gradient of `height`, `smoke` a density.
+`velocity` is an ABC flow (divergence-free), `force` the gradient of `height`, `smoke` the density of
+a puff that ends inside.
 """
 import math
 import os
@@ -13,6 +14,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import octet_asset as oa
 
 RADIUS = 4
+PUFF_RADIUS = 2.5
 
 
 def abc(p):
@@ -26,6 +28,10 @@ def height(p):
     return p[2] + 0.1 * p[0] * p[0]
 
 
+def puff(p):
+    return max(0.0, 1 - sum(c * c for c in p) / PUFF_RADIUS ** 2) ** 2
+
+
 def main():
     cage = oa.lattice(lambda p: sum(c * c for c in p) <= RADIUS ** 2, RADIUS, creases=[])
     # curl abc = 0.6 abc, so the flux of abc is its circulation over 0.6.
@@ -36,7 +42,7 @@ def main():
     smoke = {}
     for cell, volume in cells:
         centre = [sum(cage.vertices[v][k] for v in cell) / len(cell) for k in range(3)]
-        smoke[tuple(cell)] = volume * math.exp(-sum(c * c for c in centre) / 1.5)
+        smoke[tuple(cell)] = volume * puff(centre)
     out = os.path.join(os.path.dirname(os.path.abspath(__file__)), "lattice.octet.json")
     oa.write(out, "lattice", cage,
              [oa.form("velocity", 2, "m^3/s", velocity), oa.form("force", 1, "m^2/s^2", force),

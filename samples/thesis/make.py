@@ -46,8 +46,9 @@ def make_m_e():
 
 def make_m_x():
     cage = one_ring()
-    # The far vertex in x comes in past the plane x = 1 of its neighbours.
-    cage.vertices = [(0.6, y, z) if x == 2 else (x, y, z) for x, y, z in cage.vertices]
+    # The far vertex in x comes in past the plane x = 1 of its neighbours: a concave octahedron. Its
+    # centroid, where it is split, stays inside as long as this vertex is beyond 0.8.
+    cage.vertices = [(0.9, y, z) if x == 2 else (x, y, z) for x, y, z in cage.vertices]
     oa.write(os.path.join(HERE, "M_X.octet.json"), "M_X", cage, flow_forms(cage))
 
 
