@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <optional>
 
 #include "../base/parallel.h"
 #include "../rules/smoothing_rules.h"
@@ -40,15 +41,36 @@ class LinearFit {
   }
 
   Vec3 solve() {
-    const double mean = normal_.diagonal().head<3>().sum() / 3;
-    if (!(mean > 0)) return Vec3::Zero();
-    for (int k = 3; k < 12; ++k) normal_(k, k) += kSmallGradient * mean;
+    if (!keepGradientSmall()) return Vec3::Zero();
     const Eigen::LDLT<Eigen::Matrix<double, 12, 12>> factors(
         normal_.selfadjointView<Eigen::Lower>());
     return factors.solve(right_).head<3>();
   }
 
+  /// How v depends on the right side: solve() is this, transposed, times the sum of the rows.
+  Eigen::Matrix<double, 12, 3> influence() {
+    if (!keepGradientSmall()) return Eigen::Matrix<double, 12, 3>::Zero();
+    const Eigen::LDLT<Eigen::Matrix<double, 12, 12>> factors(
+        normal_.selfadjointView<Eigen::Lower>());
+    return factors.solve(Eigen::Matrix<double, 12, 3>::Identity());
+  }
+
+  /// The equation's weight times its row: by what a value of 1 adds to the right side.
+  Eigen::Matrix<double, 12, 1> weightedRow(const Vec3& measure, const Vec3& offset) const {
+    Eigen::Matrix<double, 12, 1> row;
+    row.head<3>() = measure;
+    for (int k = 0; k < 3; ++k) row.segment<3>(3 + 3 * k) = measure * (offset[k] / scale_);
+    return row / measure.squaredNorm();
+  }
+
  private:
+  bool keepGradientSmall() {
+    const double mean = normal_.diagonal().head<3>().sum() / 3;
+    if (!(mean > 0)) return false;
+    for (int k = 3; k < 12; ++k) normal_(k, k) += kSmallGradient * mean;
+    return true;
+  }
+
   double scale_;
   Eigen::Matrix<double, 12, 12> normal_ = Eigen::Matrix<double, 12, 12>::Zero();
   Eigen::Matrix<double, 12, 1> right_ = Eigen::Matrix<double, 12, 1>::Zero();
@@ -160,11 +182,7 @@ Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode) const {
         const Index row = boundary.row(v);
         if (row == kNone || mode == BoundaryMode::Open) return;
         // A wall: nothing crosses it (2-forms), or nothing runs along it (1-forms).
-        const bool closed =
-            std::all_of(boundary.ringBegin(row), boundary.ringEnd(row), [&](const RingStep& step) {
-              return (K == 2 ? form[step.facet] : form[step.edge.index()]) == 0;
-            });
-        if (!closed) return;
+        if (!onClosedWall<K>(row, form.data())) return;
         const Vec3 along = walls_[row] * result[v];
         result[v] = K == 2 ? along : Vec3(result[v] - along);
       },
@@ -172,19 +190,92 @@ Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode) const {
   return result;
 }
 
+template <int K>
+bool Limit::onClosedWall(Index row, const double* form) const {
+  const Boundary& boundary = refiner_.boundary(refiner_.levels());
+  return std::all_of(boundary.ringBegin(row), boundary.ringEnd(row), [&](const RingStep& step) {
+    return form[K == 2 ? step.facet : step.edge.index()] == 0;
+  });
+}
+
+template <int K>
+std::vector<std::uint8_t> Limit::closedWalls(const Cochain<K>& form, BoundaryMode mode) const {
+  const Boundary& boundary = refiner_.boundary(refiner_.levels());
+  std::vector<std::uint8_t> result(static_cast<std::size_t>(c_.vertexCount()), 0);
+  if (mode == BoundaryMode::Open) return result;
+  for (Index row = 0; row < boundary.vertexCount(); ++row) {
+    result[boundary.vertices[row]] = onClosedWall<K>(row, form.data());
+  }
+  return result;
+}
+
+template <int K>
+std::array<SparseRow, 3> Limit::vectorRows(Index v, bool onClosedWall) const {
+  std::vector<std::pair<Index, Vec3>> terms;
+  const Index site = refiner_.smooth() && masks_.exists[K] ? sites_.siteOfRegular(c_, v) : kNone;
+  Eigen::Matrix3d outer = Eigen::Matrix3d::Identity();
+  if (site != kNone) {
+    const Eigen::Matrix3d ofConstants = addRegular<K>(site, [&](LatticeRef ref, const Vec3& w) {
+      terms.emplace_back(ref.index(), ref.sign() * w);
+    });
+    outer = ofConstants.inverse();
+  } else {
+    std::optional<LinearFit> fit;
+    const auto begin = [&](double scale) { fit.emplace(scale); };
+    addStar<K>(v, begin, [&](Index, const Vec3& m, const Vec3& offset) { fit->add(m, offset, 0); });
+    if (fit) {
+      const Eigen::Matrix<double, 12, 3> influence = fit->influence();
+      addStar<K>(
+          v, [](double) {},
+          [&](Index s, const Vec3& m, const Vec3& offset) {
+            terms.emplace_back(s, influence.transpose() * fit->weightedRow(m, offset));
+          });
+    }
+    const Index row = refiner_.boundary(refiner_.levels()).row(v);
+    if (onClosedWall && row != kNone) {
+      outer = K == 2 ? walls_[row] : Eigen::Matrix3d(outer - walls_[row]);
+    }
+  }
+  std::sort(terms.begin(), terms.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::array<SparseRow, 3> rows;
+  for (const auto& [index, weight] : terms) {
+    const Vec3 w = outer * weight;
+    for (int axis = 0; axis < 3; ++axis) {
+      rows[axis].index.push_back(index);
+      rows[axis].weight.push_back(w[axis]);
+    }
+  }
+  return rows;
+}
+
+template std::array<SparseRow, 3> Limit::vectorRows<1>(Index, bool) const;
+template std::array<SparseRow, 3> Limit::vectorRows<2>(Index, bool) const;
+template std::vector<std::uint8_t> Limit::closedWalls(const Cochain<1>&, BoundaryMode) const;
+template std::vector<std::uint8_t> Limit::closedWalls(const Cochain<2>&, BoundaryMode) const;
+
 /// In lattice coordinates, then to space: through the Jacobian of the positions for a 1-form, and
 /// through the area vectors, which are what a constant field's coefficients are made of, for a
 /// 2-form. Both make constants exact.
 template <int K>
 Vec3 Limit::regularVector(Index site, const double* form) const {
+  Vec3 inLattice = Vec3::Zero();
+  const Eigen::Matrix3d ofConstants = addRegular<K>(site, [&](LatticeRef ref, const Vec3& w) {
+    inLattice += (ref.sign() * form[ref.index()]) * w;
+  });
+  return ofConstants.inverse() * inLattice;
+}
+
+/// Calls `add(ref, weight)` for the terms of a mask. @return column k: the mask on constant k
+template <int K, typename Add>
+Eigen::Matrix3d Limit::addRegular(Index site, const Add& add) const {
   Index sites[kNeighbours + 1];
   Vec3 points[kNeighbours + 1];
   for (int k = 0; k <= kNeighbours; ++k) {
     sites[k] = sites_.hop(site, static_cast<std::uint8_t>(k));
     points[k] = coefficientPositions_[sites_.vertices[sites[k]]];
   }
-  Vec3 inLattice = Vec3::Zero();
-  Eigen::Matrix3d ofConstants = Eigen::Matrix3d::Zero();  // column k: the mask on constant k
+  Eigen::Matrix3d ofConstants = Eigen::Matrix3d::Zero();
   for (const MaskTerm& term : masks_.terms[K]) {
     const auto& [a, b, c] = term.vertices;
     LatticeRef ref;
@@ -196,14 +287,27 @@ Vec3 Limit::regularVector(Index site, const double* form) const {
       ref = sites_.facets[sites[a]][term.simplexClass];
       measure = (points[b] - points[a]).cross(points[c] - points[a]) / 2;
     }
-    inLattice += (ref.sign() * form[ref.index()]) * term.weight;
+    add(ref, term.weight);
     ofConstants += term.weight * measure.transpose();
   }
-  return ofConstants.inverse() * inLattice;
+  return ofConstants;
 }
 
 template <int K>
 Vec3 Limit::fittedVector(Index v, const double* form) const {
+  std::optional<LinearFit> fit;
+  const bool any = addStar<K>(
+      v, [&](double scale) { fit.emplace(scale); },
+      [&](Index s, const Vec3& measure, const Vec3& offset) {
+        fit->add(measure, offset, form[s]);
+      });
+  return any ? fit->solve() : Vec3::Zero();
+}
+
+/// Calls `begin(size of the star)`, then `add(simplex, edge or area vector, offset from the
+/// vertex)` for the equations of a least-squares field. @return false when there are none
+template <int K, typename Begin, typename Add>
+bool Limit::addStar(Index v, const Begin& begin, const Add& add) const {
   std::vector<Index> cells, simplices;
   c_.visitVertexStar(v, [&](const CellAtVertex& at) { cells.push_back(at.cell); });
   // A star of few cells does not determine a gradient: take the cells beside it too.
@@ -230,27 +334,27 @@ Vec3 Limit::fittedVector(Index v, const double* form) const {
     }
   }
   sortUnique(&simplices);
-  if (simplices.empty()) return Vec3::Zero();
+  if (simplices.empty()) return false;
   const Vec3& centre = positions_[v];
   double scale = 0;
   for (const Index cell : cells) {
     scale = std::max(scale, (coefficientPositions_[c_.cellVertex(cell, 0)] - centre).norm());
     scale = std::max(scale, (coefficientPositions_[c_.cellVertex(cell, 1)] - centre).norm());
   }
-  LinearFit fit(scale);
+  begin(scale);
   for (const Index s : simplices) {
     if constexpr (K == 1) {
       const Vec3& a = coefficientPositions_[c_.edges[s][0]];
       const Vec3& b = coefficientPositions_[c_.edges[s][1]];
-      fit.add(b - a, (a + b) / 2 - centre, form[s]);
+      add(s, b - a, (a + b) / 2 - centre);
     } else {
       const auto vs = c_.facetVertices(s);
       const Vec3 &p = coefficientPositions_[vs[0]], &q = coefficientPositions_[vs[1]],
                  &r = coefficientPositions_[vs[2]];
-      fit.add((q - p).cross(r - p) / 2, (p + q + r) / 3 - centre, form[s]);
+      add(s, (q - p).cross(r - p) / 2, (p + q + r) / 3 - centre);
     }
   }
-  return fit.solve();
+  return true;
 }
 
 void Limit::prepareWalls() {

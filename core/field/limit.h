@@ -3,6 +3,7 @@
 
 #include "../analysis/limit_masks.h"
 #include "../refine/refiner.h"
+#include "../refine/sparse_row.h"
 
 namespace octet {
 
@@ -35,6 +36,14 @@ class Limit {
   /// Limit density of a 3-form (per world unit of volume).
   Array<double> densities(const Cochain<3>& form) const;
 
+  /// How the limit vector at one vertex depends on the finest coefficients of a K-form, K = 1 or 2:
+  /// its x, y and z as functionals. @param onClosedWall  what closedWalls() says of the vertex
+  template <int K>
+  std::array<SparseRow, 3> vectorRows(Index vertex, bool onClosedWall) const;
+  /// 1 for every vertex at which vectors() keeps to a wall whose coefficients are all 0.
+  template <int K>
+  std::vector<std::uint8_t> closedWalls(const Cochain<K>& form, BoundaryMode mode) const;
+
  private:
   template <typename At>
   double valueAt(Index vertex, const At& at) const;
@@ -44,6 +53,12 @@ class Limit {
   Vec3 regularVector(Index site, const double* form) const;
   template <int K>
   Vec3 fittedVector(Index vertex, const double* form) const;
+  template <int K>
+  bool onClosedWall(Index boundaryRow, const double* form) const;
+  template <int K, typename Add>
+  Eigen::Matrix3d addRegular(Index site, const Add& add) const;
+  template <int K, typename Begin, typename Add>
+  bool addStar(Index vertex, const Begin& begin, const Add& add) const;
   Eigen::Matrix3d tangentialProjection(Index boundaryRow) const;
   void prepareWalls();
 

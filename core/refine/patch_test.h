@@ -33,6 +33,7 @@ class PatchTest {
   void finish(BoundaryMode mode, const double* coarseFacets, double* edges) const;
 
  private:
+  friend class StepAdjoint;  // writes the same rows out
   class Builder;
   template <typename Sum, typename OfFacet>
   Sum sumOnWall(Index boundaryEdge, const OfFacet& ofFacet) const;

@@ -4,21 +4,12 @@
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
 #include "../topology/split.h"
+#include "refiner_level.h"
 
 namespace octet {
 namespace {
 constexpr int kMostLevels = 12;
 }  // namespace
-
-/// A level with the operators that lead to it from the one before.
-struct Refiner::Level {
-  std::shared_ptr<const Complex> complex;
-  Array<Vec3> positions;
-  Boundary boundary;
-  LatticeSites sites;
-  std::unique_ptr<Smoothing> smoothing;
-  std::unique_ptr<PatchTest> patchTest;
-};
 
 Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
     : options_(options),

@@ -52,6 +52,7 @@ class Refiner {
   Cochain<K> refine(Cochain<K> form, BoundaryMode mode) const;
 
  private:
+  friend class StepAdjoint;  // writes the same operators out by rows
   struct Level;
   RefinerOptions options_;
   LinearRefinement linear_;
