@@ -8,7 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include "../geometry/box_bins.h"
+#include "../geometry/box_tree.h"
 
 namespace octet {
 namespace {
@@ -87,69 +87,6 @@ bool separated(const Corners& a, const Corners& b, double depth) {
   }
   return false;
 }
-
-bool meet(const Box& a, const Box& b) {
-  return (a.min.array() < b.max.array()).all() && (b.min.array() < a.max.array()).all();
-}
-
-/// Boxes of any sizes, in a tree of boxes around halves of them.
-class BoxTree {
- public:
-  explicit BoxTree(std::vector<Box> boxes)
-      : boxes_(std::move(boxes)), order_(boxes_.size()), nodes_(4 * boxes_.size() + 4) {
-    std::iota(order_.begin(), order_.end(), 0);
-    build(0, 0, order_.size());
-  }
-
-  const Box& box(Index k) const { return boxes_[k]; }
-
-  /// Calls `visit(k)` for every box that shares volume with `box`.
-  template <typename Visit>
-  void visitMeeting(const Box& box, const Visit& visit) const {
-    descend(0, 0, order_.size(), box, visit);
-  }
-
- private:
-  static constexpr std::size_t kLeafSize = 4;
-
-  void build(std::size_t node, std::size_t begin, std::size_t end) {
-    Box& all = nodes_[node];
-    for (std::size_t k = begin; k < end; ++k) {
-      all.extend(boxes_[order_[k]].min);
-      all.extend(boxes_[order_[k]].max);
-    }
-    if (end - begin <= kLeafSize) return;
-    int axis = 0;
-    all.size().maxCoeff(&axis);
-    const std::size_t middle = begin + (end - begin) / 2;
-    const auto centre = [&](Index k) { return boxes_[k].min[axis] + boxes_[k].max[axis]; };
-    std::nth_element(order_.begin() + static_cast<std::ptrdiff_t>(begin),
-                     order_.begin() + static_cast<std::ptrdiff_t>(middle),
-                     order_.begin() + static_cast<std::ptrdiff_t>(end),
-                     [&](Index a, Index b) { return centre(a) < centre(b); });
-    build(2 * node + 1, begin, middle);
-    build(2 * node + 2, middle, end);
-  }
-
-  template <typename Visit>
-  void descend(std::size_t node, std::size_t begin, std::size_t end, const Box& box,
-               const Visit& visit) const {
-    if (!meet(nodes_[node], box)) return;
-    if (end - begin <= kLeafSize) {
-      for (std::size_t k = begin; k < end; ++k) {
-        if (meet(boxes_[order_[k]], box)) visit(order_[k]);
-      }
-      return;
-    }
-    const std::size_t middle = begin + (end - begin) / 2;
-    descend(2 * node + 1, begin, middle, box, visit);
-    descend(2 * node + 2, middle, end, box, visit);
-  }
-
-  std::vector<Box> boxes_;
-  std::vector<Index> order_;
-  std::vector<Box> nodes_;  // children of node k: 2 k + 1, 2 k + 2
-};
 
 class OverlapFinder {
  public:

@@ -14,6 +14,7 @@
 namespace octet::cli {
 
 void addBake(CLI::App* program);
+void addFill(CLI::App* program);
 void addInfo(CLI::App* program);
 void addRefine(CLI::App* program);
 

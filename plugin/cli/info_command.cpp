@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "console.h"
+#include "mesh_report.h"
 
 namespace octet::cli {
 namespace {
@@ -21,19 +22,6 @@ struct Arguments {
   std::string path;
   bool json = false;
 };
-
-const char* typeName(VertexType type) {
-  constexpr const char* kNames[] = {"R", "X1", "X2", "X3", "B1", "B2", "B3"};
-  return kNames[static_cast<int>(type)];
-}
-
-/// How often each number occurs.
-template <typename Counts>
-Json histogram(const Counts& counts) {
-  Json result = Json::object();
-  for (const auto& [key, n] : counts) result[std::to_string(key)] = n;
-  return result;
-}
 
 /// Largest |d w| and |w| over the frames of a form, and how many coefficients are not 0.
 template <int K>
@@ -67,47 +55,12 @@ Json describeForm(const ControlAsset& asset, const Form& form) {
 
 Json describeAsset(const std::string& path) {
   const ControlAsset asset = readAsset(path);
-  const Complex& c = *asset.mesh.complex();
-  std::map<std::string, std::int64_t> types;
-  for (const VertexType type : c.vertexTypes) ++types[typeName(type)];
-  std::map<int, std::int64_t> edgeValences, boundaryValences;
-  std::int64_t creases = 0;
-  for (Index e = 0; e < c.edgeCount(); ++e) {
-    if (c.edgeFlags[e] & kOnCrease) ++creases;
-    if (!c.edgeOnBoundary(e)) ++edgeValences[c.edgeStarBegin[e + 1] - c.edgeStarBegin[e]];
-  }
-  const Boundary boundary(c, asset.mesh.corners(), nullptr);
-  std::int64_t corners = 0;
-  for (Index row = 0; row < boundary.vertexCount(); ++row) {
-    ++boundaryValences[boundary.valence(row)];
-    if (boundary.kinds[row] == BoundaryKind::Corner) ++corners;
-  }
-  double volume = 0;
-  for (Index cell = 0; cell < c.cellCount(); ++cell) {
-    volume += std::abs(cellVolume6(c, asset.mesh.positions(), cell)) / 6;
-  }
-  Box box;
-  for (const Vec3& p : asset.mesh.positions()) box.extend(p);
   Json result = {{"kind", "control asset"},
                  {"name", asset.name},
                  {"up_axis", std::string(1, asset.units.upAxis)},
                  {"meters_per_unit", asset.units.metersPerUnit},
-                 {"frames_per_second", asset.units.framesPerSecond},
-                 {"vertices", c.vertexCount()},
-                 {"edges", c.edgeCount()},
-                 {"facets", c.facetCount()},
-                 {"tetrahedra", c.tetCount()},
-                 {"octahedra", c.octCount()},
-                 {"boundary_facets", boundary.facets.size()},
-                 {"creases", creases},
-                 {"corners", corners},
-                 {"vertex_types", types},
-                 {"interior_edge_valences", histogram(edgeValences)},
-                 {"boundary_valences", histogram(boundaryValences)},
-                 {"volume", volume},
-                 {"box",
-                  {std::vector<double>(box.min.begin(), box.min.end()),
-                   std::vector<double>(box.max.begin(), box.max.end())}}};
+                 {"frames_per_second", asset.units.framesPerSecond}};
+  result.update(describeMesh(asset.mesh));
   result["forms"] = Json::array();
   for (const Form& form : asset.forms) {
     result["forms"].push_back(form.degree == 0   ? describeForm<0>(asset, form)
@@ -149,35 +102,13 @@ Json describeVdb(const std::string& path) {
   return result;
 }
 
-/// "key: value" lines, lists of objects indented under their key.
-void printPlain(const Json& value, const std::string& indent) {
-  for (const auto& [key, entry] : value.items()) {
-    if (entry.is_array() && !entry.empty() && entry[0].is_object()) {
-      std::cout << indent << key << ":\n";
-      for (const Json& element : entry) {
-        printPlain(element, indent + "  ");
-        std::cout << "\n";
-      }
-    } else if (entry.is_object()) {
-      std::cout << indent << key << ":";
-      for (const auto& [name, n] : entry.items()) {
-        std::cout << "  " << name << " " << (n.is_string() ? n.get<std::string>() : text(n));
-      }
-      std::cout << "\n";
-    } else {
-      std::cout << indent << key << ": "
-                << (entry.is_string() ? entry.get<std::string>() : text(entry)) << "\n";
-    }
-  }
-}
-
 void run(const Arguments& arguments) {
   const bool vdb = std::filesystem::path(arguments.path).extension() == ".vdb";
   const Json document = vdb ? describeVdb(arguments.path) : describeAsset(arguments.path);
   if (arguments.json) {
     std::cout << text(document) << "\n";
   } else {
-    printPlain(document, "");
+    printPlain(document);
   }
 }
 

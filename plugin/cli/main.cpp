@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1024))
       ->trigger_on_parse();
   octet::cli::addBake(&program);
+  octet::cli::addFill(&program);
   octet::cli::addInfo(&program);
   octet::cli::addRefine(&program);
   octet::cli::watchForInterrupt();
