@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <octet/core/cage/boundary_fit.h>
 #include <octet/core/cage/lattice_fill.h>
 #include <octet/core/cage/triangle_surface.h>
 
@@ -12,19 +13,24 @@ struct FillOptions {
   double depth = 0.5;
   /// Take a surface that passes through itself for the body it encloses, instead of refusing it.
   bool allowIntersections = false;
+  bool fitBoundary = false;  ///< move boundary vertices onto the surface (boundary_fit.h)
+  BoundaryFitOptions fit;
   ProgressCallback progress;
 };
 
 struct FillReport {
   LatticeFillReport lattice;
-  double bodyVolume = 0;  ///< of the surface
+  double bodyVolume = 0;  ///< of what the surface encloses, less cavities
+  Index bodies = 0, cavities = 0;
+  std::optional<BoundaryFitReport> fit;
 };
 
 /// @brief A control mesh that fills a closed surface with the regular lattice (lattice_fill.h),
-/// inside and outside told by OpenVDB's meshToVolume.
+/// inside and outside told by OpenVDB's meshToVolume. A part of the surface within another is a
+/// cavity, one within a cavity a body again, whichever way the triangles are oriented.
 /// @throws InputError for a surface that is not closed, intersects itself or is thinner everywhere
 /// than the lattice can fill; for a spacing that is not positive or makes too many cells.
-ControlMeshInput fillSurface(const TriangleSurface& surface, const FillOptions& options,
-                             FillReport* report = nullptr);
+ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& options,
+                        FillReport* report = nullptr);
 
 }  // namespace octet

@@ -27,17 +27,24 @@ struct Arguments {
   bool json = false;
 };
 
-Json fillBox(const Arguments& arguments, ControlMeshInput* mesh) {
+Json fillBox(const Arguments& arguments, ControlMesh* mesh) {
   Box box;
   for (int k = 0; k < 3; ++k) {
     box.min[k] = arguments.box[k];
     box.max[k] = arguments.box[k + 3];
   }
-  *mesh = boxCage(box, arguments.fill.spacing);
+  *mesh = ControlMesh::build(boxCage(box, arguments.fill.spacing));
   return {{"body_volume", box.size().prod()}};
 }
 
-Json fillInput(const Arguments& arguments, ControlMeshInput* mesh) {
+Json toJson(const BoundaryFitReport& fit) {
+  return {{"mean_distance_before", fit.meanBefore}, {"max_distance_before", fit.maxBefore},
+          {"mean_distance", fit.meanAfter},         {"max_distance", fit.maxAfter},
+          {"vertices_off_surface", fit.offSurface}, {"mean_facet_distance", fit.meanFacet},
+          {"max_facet_distance", fit.maxFacet},     {"smallest_corner_volume", fit.minVolume}};
+}
+
+Json fillInput(const Arguments& arguments, ControlMesh* mesh) {
   const TriangleSurface surface = readSurface(arguments.input, arguments.read);
   FillReport report;
   try {
@@ -45,12 +52,16 @@ Json fillInput(const Arguments& arguments, ControlMeshInput* mesh) {
   } catch (const InputError& e) {
     throw e.place() == "spacing" ? InputError("--spacing", e.reason()) : e.inFile(arguments.input);
   }
-  return {{"surface_triangles", surface.triangles.size()},
-          {"body_volume", report.bodyVolume},
-          {"interior_vertices", report.lattice.interiorVertices},
-          {"components", report.lattice.components},
-          {"vertices_added_for_a_manifold", report.lattice.added},
-          {"vertices_dropped_for_a_manifold", report.lattice.dropped}};
+  Json summary = {{"surface_triangles", surface.triangles.size()},
+                  {"bodies", report.bodies},
+                  {"cavities", report.cavities},
+                  {"body_volume", report.bodyVolume},
+                  {"interior_vertices", report.lattice.interiorVertices},
+                  {"components", report.lattice.components},
+                  {"vertices_added_for_a_manifold", report.lattice.added},
+                  {"vertices_dropped_for_a_manifold", report.lattice.dropped}};
+  if (report.fit) summary["fit"] = toJson(*report.fit);
+  return summary;
 }
 
 void checkArguments(const Arguments& arguments) {
@@ -66,17 +77,16 @@ void checkArguments(const Arguments& arguments) {
 void run(Arguments& arguments) {
   checkArguments(arguments);
   arguments.fill.progress = consoleProgress();
-  ControlMeshInput mesh;
-  Json summary = {{"output", arguments.output}};
-  summary["fill"] = arguments.box.empty() ? fillInput(arguments, &mesh) : fillBox(arguments, &mesh);
   ControlAsset asset;
+  Json summary = {{"output", arguments.output}};
+  summary["fill"] =
+      arguments.box.empty() ? fillInput(arguments, &asset.mesh) : fillBox(arguments, &asset.mesh);
   asset.name = arguments.name;
   if (asset.name.empty()) {
     const std::string stem = std::filesystem::path(arguments.output).filename().string();
     asset.name = stem.substr(0, stem.find('.'));
   }
   asset.units = arguments.units;
-  asset.mesh = ControlMesh::build(std::move(mesh));
   summary.update(describeMesh(asset.mesh));
   writeControlAsset(asset, arguments.output);
   if (arguments.json) {
@@ -105,6 +115,8 @@ void addFill(CLI::App* program) {
       ->add_option("--depth", arguments->fill.depth,
                    "How deep inside, in spacings, interior vertices lie at least")
       ->capture_default_str();
+  command->add_flag("--fit-boundary", arguments->fill.fitBoundary,
+                    "Move boundary vertices onto the surface, inverting no cell");
   command->add_flag("--allow-self-intersections", arguments->fill.allowIntersections,
                     "Fill what a surface that intersects itself encloses, instead of refusing it");
   command->add_option("--grid", arguments->read.grid,

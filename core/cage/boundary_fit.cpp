@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boundary_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../base/error.h"
+#include "../base/parallel.h"
+#include "cell_shape.h"
+
+namespace octet {
+namespace {
+
+/// Vertices nearer to the surface than this times the mean edge count as on it.
+constexpr double kOnSurface = 1e-3;
+/// Halvings of a step before it is given up.
+constexpr int kHalvings = 5;
+/// A push towards the surface may not distort the cells at a vertex beyond this, per corner on
+/// average; sliding then makes room.
+constexpr double kMostDistorted = 40;
+
+class Fitter {
+ public:
+  Fitter(const ControlMesh& mesh, const ProjectToSurface& project,
+         const BoundaryFitOptions& options)
+      : c_(*mesh.complex()), x_(mesh.positions()), project_(project), options_(options) {
+    if (options.rounds < 0 || !(options.minVolume > 0 && options.minVolume < 1)) {
+      throw InputError("fit", "rounds or least volume out of range");
+    }
+    measureCells();
+    chooseMovable();
+    colour();
+  }
+
+  Array<Vec3> run(BoundaryFitReport* report) {
+    BoundaryFitReport r;
+    vertexDistances(&r.meanBefore, &r.maxBefore, nullptr);
+    for (int round = 0; round < options_.rounds; ++round) {
+      reportProgress(options_.progress, {"fit boundary", static_cast<std::size_t>(round),
+                                         static_cast<std::size_t>(options_.rounds), "rounds"});
+      for (const std::vector<Index>& group : groups_) {
+        parallelFor<std::size_t>(
+            group.size(), [&](std::size_t k) { move(group[k]); }, 64);
+      }
+    }
+    vertexDistances(&r.meanAfter, &r.maxAfter, &r.offSurface);
+    facetDistances(&r);
+    r.minVolume = HUGE_VAL;
+    for (Index cell = 0; cell < c_.cellCount(); ++cell) {
+      r.minVolume = std::min(r.minVolume, measureShape(c_, x_, cell).minVolume6 / reference(cell));
+    }
+    if (report) *report = r;
+    return std::move(x_);
+  }
+
+ private:
+  void measureCells() {
+    double sum = 0;
+    for (const auto& [a, b] : c_.edges) sum += (x_[b] - x_[a]).norm();
+    edge_ = sum / c_.edgeCount();
+    double tets = 0, octs = 0;
+    for (Index cell = 0; cell < c_.cellCount(); ++cell) {
+      (c_.isTet(cell) ? tets : octs) += std::abs(cellVolume6(c_, x_, cell));
+    }
+    tetCorner_ = c_.tetCount() ? tets / c_.tetCount() : 0;
+    octCorner_ = c_.octCount() ? octs / c_.octCount() / 8 : 0;
+  }
+
+  /// Average of six times the volume of a corner of a cell of its kind, before.
+  double reference(Index cell) const { return c_.isTet(cell) ? tetCorner_ : octCorner_; }
+
+  /// Layers of vertices below the boundary, layer 0.
+  void chooseMovable() {
+    std::vector<std::uint8_t> movable(c_.vertexCount(), 0);
+    std::vector<Index> layer;
+    for (Index v = 0; v < c_.vertexCount(); ++v) {
+      if (!c_.vertexOnBoundary(v)) continue;
+      movable[v] = 1;
+      layer.push_back(v);
+    }
+    movable_ = layer;
+    for (int depth = 0; depth < options_.interiorLayers; ++depth) {
+      std::vector<Index> next;
+      for (const Index v : layer) {
+        visitNeighbours(v, [&](Index u) {
+          if (movable[u]) return;
+          movable[u] = 1;
+          next.push_back(u);
+        });
+      }
+      std::sort(next.begin(), next.end());
+      movable_.insert(movable_.end(), next.begin(), next.end());
+      layer = std::move(next);
+    }
+  }
+
+  template <typename Visit>
+  void visitNeighbours(Index v, const Visit& visit) const {
+    c_.visitVertexStar(v, [&](const CellAtVertex& at) {
+      for (int i = 0; i < c_.cellVertexCount(at.cell); ++i) visit(c_.cellVertex(at.cell, i));
+    });
+  }
+
+  /// Groups of vertices no two of which share a cell, so that each may move in parallel.
+  void colour() {
+    std::vector<int> colours(c_.vertexCount(), -1);
+    std::vector<Index> usedBy;
+    for (const Index v : movable_) {
+      visitNeighbours(v, [&](Index u) {
+        if (colours[u] >= 0) usedBy[static_cast<std::size_t>(colours[u])] = v;
+      });
+      std::size_t colour = 0;
+      while (colour < usedBy.size() && usedBy[colour] == v) ++colour;
+      if (colour == usedBy.size()) {
+        usedBy.push_back(kNone);
+        groups_.emplace_back();
+      }
+      colours[v] = static_cast<int>(colour);
+      groups_[colour].push_back(v);
+    }
+  }
+
+  // ---- moves ------------------------------------------------------------------------------------
+
+  /// Distortion and its gradient over the cells at a vertex; infinite where a corner is too small.
+  struct Star {
+    double distortion = 0;
+    int corners = 0;
+    Vec3 gradient = Vec3::Zero();
+  };
+
+  Star star(Index v, bool derive) const {
+    Star s;
+    c_.visitVertexStar(v, [&](const CellAtVertex& at) {
+      const CellShape shape = measureShape(c_, x_, at.cell, derive ? at.place : -1);
+      if (shape.minVolume6 < options_.minVolume * reference(at.cell)) s.distortion = HUGE_VAL;
+      s.distortion += shape.distortion;
+      s.gradient += shape.gradient;
+      s.corners += c_.isTet(at.cell) ? 1 : 8;
+    });
+    return s;
+  }
+
+  void move(Index v) {
+    const bool onBoundary = c_.vertexOnBoundary(v);
+    const bool onSurface = onBoundary && push(v);
+    slide(v, onBoundary, onSurface);
+  }
+
+  /// As far towards the surface as the cells allow; is the vertex there then?
+  bool push(Index v) {
+    const Vec3 from = x_[v], to = project_(from);
+    const double distance = (to - from).norm();
+    if (distance <= 1e-12 * edge_) return true;
+    double step = 1;
+    for (int k = 0; k <= kHalvings; ++k, step /= 2) {
+      x_[v] = k == 0 ? to : Vec3(from + step * (to - from));
+      const Star s = star(v, false);
+      if (s.distortion <= kMostDistorted * s.corners) return k == 0;
+    }
+    x_[v] = from;
+    return distance <= kOnSurface * edge_;
+  }
+
+  /// Down the gradient of the distortion; along the surface for a vertex that is on it.
+  void slide(Index v, bool onBoundary, bool onSurface) {
+    const Star before = star(v, true);
+    if (!std::isfinite(before.distortion)) return;
+    const Vec3 from = x_[v];
+    Vec3 along = -before.gradient;
+    if (onBoundary && !onSurface) {
+      const Vec3 normal = (project_(from) - from).normalized();
+      along -= along.dot(normal) * normal;
+    }
+    const double slope = along.norm();
+    if (!(slope > 0)) return;
+    // f^2 of a corner has a second derivative of some 4 / edge^2 near regular.
+    double step = edge_ * edge_ / (4.0 * before.corners);
+    step = std::min(step, 0.25 * edge_ / slope);
+    for (int k = 0; k <= kHalvings; ++k, step /= 2) {
+      const Vec3 to = from + step * along;
+      x_[v] = onSurface ? project_(to) : to;
+      if (star(v, false).distortion < before.distortion) return;
+    }
+    x_[v] = from;
+  }
+
+  // ---- distances --------------------------------------------------------------------------------
+
+  void vertexDistances(double* mean, double* max, Index* off) const {
+    std::vector<double> distances(c_.vertexCount(), -1);
+    parallelFor<Index>(
+        c_.vertexCount(),
+        [&](Index v) {
+          if (c_.vertexOnBoundary(v)) distances[v] = (project_(x_[v]) - x_[v]).norm();
+        },
+        64);
+    summarise(distances, mean, max);
+    if (!off) return;
+    for (const double d : distances) *off += d > kOnSurface * edge_;
+  }
+
+  void facetDistances(BoundaryFitReport* report) const {
+    std::vector<double> distances(c_.facetCount(), -1);
+    parallelFor<Index>(
+        c_.facetCount(),
+        [&](Index f) {
+          if (!c_.facetOnBoundary(f)) return;
+          const auto [a, b, c] = c_.facetVertices(f);
+          const Vec3 centre = (x_[a] + x_[b] + x_[c]) / 3;
+          distances[f] = (project_(centre) - centre).norm();
+        },
+        64);
+    summarise(distances, &report->meanFacet, &report->maxFacet);
+  }
+
+  static void summarise(const std::vector<double>& distances, double* mean, double* max) {
+    double sum = 0, n = 0;
+    *max = 0;
+    for (const double d : distances) {
+      if (d < 0) continue;
+      sum += d;
+      ++n;
+      *max = std::max(*max, d);
+    }
+    *mean = n > 0 ? sum / n : 0;
+  }
+
+  const Complex& c_;
+  Array<Vec3> x_;
+  const ProjectToSurface& project_;
+  const BoundaryFitOptions& options_;
+  double edge_ = 0, tetCorner_ = 0, octCorner_ = 0;
+  std::vector<Index> movable_;
+  std::vector<std::vector<Index>> groups_;
+};
+
+}  // namespace
+
+Array<Vec3> fitBoundary(const ControlMesh& mesh, const ProjectToSurface& project,
+                        const BoundaryFitOptions& options, BoundaryFitReport* report) {
+  return Fitter(mesh, project, options).run(report);
+}
+
+}  // namespace octet
