@@ -16,6 +16,9 @@ namespace octet::cli {
 void addBake(CLI::App* program);
 void addFill(CLI::App* program);
 void addInfo(CLI::App* program);
+#ifdef OCTETVDB_WITH_PICTURES
+void addPreview(CLI::App* program);
+#endif
 void addRefine(CLI::App* program);
 
 /// Adds an option that takes one of some names, in any case.
@@ -40,5 +43,8 @@ void addChoice(CLI::App* command, const std::string& option, T* value,
 
 /// Adds --boundary.
 void addBoundary(CLI::App* command, BoundaryChoice* choice);
+
+/// Refuses a --frame that the asset does not have.
+void checkFrame(const ControlAsset& asset, int frame);
 
 }  // namespace octet::cli

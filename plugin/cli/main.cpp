@@ -63,6 +63,9 @@ int main(int argc, char** argv) {
   octet::cli::addBake(&program);
   octet::cli::addFill(&program);
   octet::cli::addInfo(&program);
+#ifdef OCTETVDB_WITH_PICTURES
+  octet::cli::addPreview(&program);
+#endif
   octet::cli::addRefine(&program);
   octet::cli::watchForInterrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit is then an error like a full disk

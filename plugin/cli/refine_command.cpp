@@ -36,15 +36,6 @@ void checkSize(const Complex& control, int levels) {
   }
 }
 
-void checkFrame(const ControlAsset& asset, int frame) {
-  const auto range = asset.frameRange();
-  if (!range) throw InputError("--frame", "the asset's forms are not animated");
-  if (frame < range->first || frame > range->second) {
-    throw InputError("--frame", "the asset has frames " + std::to_string(range->first) + "-" +
-                                    std::to_string(range->second));
-  }
-}
-
 void run(Arguments& arguments) {
   arguments.options.progress = consoleProgress();
   checkOutput(arguments.control, arguments.output);
@@ -57,6 +48,15 @@ void run(Arguments& arguments) {
 }
 
 }  // namespace
+
+void checkFrame(const ControlAsset& asset, int frame) {
+  const auto range = asset.frameRange();
+  if (!range) throw InputError("--frame", "the asset's forms are not animated");
+  if (frame < range->first || frame > range->second) {
+    throw InputError("--frame", "the asset has frames " + std::to_string(range->first) + "-" +
+                                    std::to_string(range->second));
+  }
+}
 
 void addRefine(CLI::App* program) {
   const auto arguments = std::make_shared<Arguments>();
