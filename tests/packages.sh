@@ -21,3 +21,6 @@ BUILD_PACKAGES+=(libboost-dev libcairo2-dev libembree-dev)
 # What the tests need besides.
 TEST_PACKAGES=(libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-numpy python3-gmsh
   libopenvdb-tools clang-format)
+# What the Python module and the Blender add-on need, and their tests.
+BUILD_PACKAGES+=(pybind11-dev python3-dev)
+TEST_PACKAGES+=(python3-pytest python3-meshio blender xvfb xauth)

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Smooth velocity fields that are exactly incompressible (or exactly curl-free), authored on a
+coarse cage of tetrahedra and octahedra and baked to OpenVDB at any resolution.
+
+    import octetvdb
+
+    asset = octetvdb.ControlAsset.read("box.octet.json")
+    octetvdb.bake(asset, "box.vdb", resolution=128, target="blender")
+
+    form = asset.form("velocity")
+    refiner = octetvdb.Refiner(asset.mesh, levels=3)
+    field = refiner.field(form.degree, form.coefficients())
+    values, inside = field.sample(points)
+
+Lengths are world units of the asset, indices count from 0, and a simplex's orientation is the order
+of its vertices. Arrays that are called views are read-only, share the library's memory and keep it
+alive. Long calls release the GIL; they can be cancelled from their `progress` callback and by
+Ctrl-C. Errors are octetvdb.InputError, IoError and Cancelled, with `file`, `place` and `reason`.
+"""
+from ._octetvdb import (BakedFile, BakeReport, Cancelled, Complex, ControlAsset, ControlMesh, Error,
+                        Field, Form, GridInfo, InputError, IoError, Refiner, ThreadLimit,
+                        __version__, bake, read_grid_info)
+from ._meshio import from_meshio, to_meshio
+
+__all__ = ["BakedFile", "BakeReport", "Cancelled", "Complex", "ControlAsset", "ControlMesh",
+           "Error", "Field", "Form", "GridInfo", "InputError", "IoError", "Refiner", "ThreadLimit",
+           "__version__", "bake", "from_meshio", "read_grid_info", "to_meshio"]

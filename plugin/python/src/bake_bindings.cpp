@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+
+#include <pybind11/stl.h>
+
+#include <octet/converters/vdb/bake.h>
+#include <octet/core/base/error.h>
+
+#include "bindings.h"
+#include "choices.h"
+#include "long_call.h"
+
+namespace octet::python {
+namespace {
+
+BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
+                     std::vector<std::string> forms, bool derivative, double voxelSize,
+                     int resolution, std::optional<int> levels, const std::string& boundary,
+                     const std::string& grid, const std::string& reconstruction,
+                     const std::string& target, bool half,
+                     std::optional<std::pair<int, int>> frames, double zeta,
+                     const py::object& progress) {
+  BakeOptions options;
+  options.forms = std::move(forms);
+  options.derivative = derivative;
+  options.voxelSize = voxelSize;
+  options.resolution = resolution;
+  options.levels = levels;
+  options.boundary = boundaryChoice(boundary);
+  options.sampling = choose<Sampling>(
+      "grid", grid, {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}});
+  options.reconstruction = reconstructionChoice(reconstruction);
+  options.target = target;
+  options.half = half;
+  options.frames = frames;
+  options.zeta = zeta;
+  options.progress = progressCallback(progress);
+  return withoutGil([&] { return bake(asset, options, path); });
+}
+
+py::dict metadataOf(const VdbGridInfo& info) {
+  py::dict result;
+  for (const VdbMetadata& entry : info.metadata) {
+    result[py::str(entry.name)] =
+        std::visit([](const auto& value) -> py::object { return py::cast(value); }, entry.value);
+  }
+  return result;
+}
+
+void bindGridInfo(py::module_& module) {
+  py::class_<VdbGridInfo>(module, "GridInfo", py::module_local(),
+                          "What was put into a grid, or found in one.")
+      .def_readonly("name", &VdbGridInfo::name, "Name of the grid.")
+      .def_readonly("type", &VdbGridInfo::type, "OpenVDB's value type, such as \"vec3s\".")
+      .def_readonly("grid_class", &VdbGridInfo::gridClass, "OpenVDB's grid class.")
+      .def_readonly("vector_type", &VdbGridInfo::vectorType,
+                    "OpenVDB's vector type; empty for scalars.")
+      .def_readonly("voxel_size", &VdbGridInfo::voxelSize, "Voxel size, world units.")
+      .def_readonly("active_voxels", &VdbGridInfo::activeVoxels, "Number of active voxels.")
+      .def_readonly("leaves", &VdbGridInfo::leaves, "Number of leaf nodes.")
+      .def_readonly("min", &VdbGridInfo::min, "Least active value (length, for vectors).")
+      .def_readonly("max", &VdbGridInfo::max, "Largest active value (length, for vectors).")
+      .def_readonly("index_min", &VdbGridInfo::indexMin, "Lowest active index, three integers.")
+      .def_readonly("index_max", &VdbGridInfo::indexMax, "Highest active index, three integers.")
+      .def_readonly("half", &VdbGridInfo::half, "Stored as 16-bit floats?")
+      .def_property_readonly("metadata", &metadataOf, "The grid's metadata as a dict.")
+      .def("__repr__", [](const VdbGridInfo& g) {
+        return "<octetvdb.GridInfo \"" + g.name + "\" " + g.type + ", " +
+               std::to_string(g.activeVoxels) + " active voxels>";
+      });
+}
+
+void bindReport(py::module_& module) {
+  py::class_<BakedFile>(module, "BakedFile", py::module_local(), "One file of a bake.")
+      .def_readonly("path", &BakedFile::path, "Where it is.")
+      .def_readonly("frame", &BakedFile::frame, "Its frame number; None when not animated.")
+      .def_readonly("grids", &BakedFile::grids, "A GridInfo for each grid.");
+  py::class_<BakeReport>(module, "BakeReport", py::module_local(), "What a bake did.")
+      .def_readonly("levels", &BakeReport::levels, "Number of subdivisions.")
+      .def_readonly("cells", &BakeReport::cells, "Number of cells at the finest level.")
+      .def_readonly("voxel_size", &BakeReport::voxelSize, "Voxel size, world units.")
+      .def_readonly("mean_edge", &BakeReport::meanEdge, "Mean fine edge, world units.")
+      .def_readonly("note", &BakeReport::note, "What the target's importer has to do.")
+      .def_readonly("files", &BakeReport::files, "A BakedFile for each file.");
+}
+
+}  // namespace
+
+void bindBake(py::module_& module) {
+  bindGridInfo(module);
+  bindReport(module);
+  module.def("bake", &bakeAsset, py::arg("asset"), py::arg("path"), py::kw_only(),
+             py::arg("forms") = std::vector<std::string>(), py::arg("derivative") = false,
+             py::arg("voxel_size") = 0.0, py::arg("resolution") = 0, py::arg("levels") = py::none(),
+             py::arg("boundary") = "auto", py::arg("grid") = "collocated",
+             py::arg("reconstruction") = "limit", py::arg("target") = "openvdb",
+             py::arg("half") = false, py::arg("frames") = py::none(),
+             py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
+             R"(Bakes an asset's forms into OpenVDB grids, one per form.
+
+path:           the .vdb to write; an animated asset becomes a sequence name.0001.vdb
+forms:          names of forms; all by default
+derivative:     bake the forms' exterior derivatives: the velocity of a vector potential
+voxel_size:     world units; or
+resolution:     voxels along the domain's longest side
+levels:         subdivisions; None: until the mean edge is at most 2 voxels
+boundary:       "auto", "walls" or "open"
+grid:           "collocated" or "staggered"
+reconstruction: "limit" or "whitney"
+target:         "openvdb", "blender", "houdini", "arnold" or "renderman"
+half:           store 16-bit floats
+frames:         first and last frame of an animated asset; all by default
+zeta:           free weight of the octahedron's linear rule
+progress:       called as progress(stage, done, total, unit); returning False raises Cancelled
+
+Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, Cancelled.)");
+  module.def(
+      "read_grid_info",
+      [](const std::string& path) { return withoutGil([&] { return readVdbInfo(path); }); },
+      py::arg("path"), "What a .vdb holds, a GridInfo for each grid. Raises InputError.");
+}
+
+}  // namespace octet::python
