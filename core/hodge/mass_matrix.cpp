@@ -148,6 +148,43 @@ Eigen::Matrix<double, kLocalCount<K, Octahedron>, kComponents<K>> ofConstants(
   return result;
 }
 
+/// The mean of a form's field over an octahedron, as its facets see it, so that parts of constant
+/// fields cancel between cells: of a 2-form, from the flux through each facet, with even
+/// divergence; of a gradient, from the values on the facets. On an affine octahedron `nearest`, the
+/// constant nearest to the form, is the same.
+template <int K>
+Eigen::Matrix<double, 3, kLocalCount<K, Octahedron>> meanOf(
+    const std::array<Vec3, 6>& p,
+    const Eigen::Matrix<double, 3, kLocalCount<K, Octahedron>>& nearest) {
+  if constexpr (K == 2) {
+    const Vec3 middle = (p[0] + p[1] + p[2] + p[3] + p[4] + p[5]) / 6;
+    Vec3 centroid = Vec3::Zero();
+    Eigen::Matrix<double, 3, 8> facets;
+    for (int k = 0; k < 8; ++k) {
+      const auto& t = Octahedron::facets[k];
+      const Vec3 a = p[t[0]] - middle, b = p[t[1]] - middle, c = p[t[2]] - middle;
+      facets.col(k) = (a + b + c) / 3;
+      centroid += a.dot(b.cross(c)) * (a + b + c) / 24;
+    }
+    const double signedVolume = volume6<Octahedron>(p) / 6;
+    return (facets.colwise() - centroid / signedVolume) / signedVolume;
+  } else {
+    Eigen::Matrix<double, 12, 6> d = Eigen::Matrix<double, 12, 6>::Zero();
+    for (int k = 0; k < 12; ++k) {
+      d(k, Octahedron::edges[k][0]) = -1;
+      d(k, Octahedron::edges[k][1]) = 1;
+    }
+    Eigen::Matrix<double, 3, 6> ofGradients = Eigen::Matrix<double, 3, 6>::Zero();
+    for (const auto& t : Octahedron::facets) {
+      const Vec3 area = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]) / 2;
+      for (int k = 0; k < 3; ++k) ofGradients.col(t[k]) += area / 3;
+    }
+    ofGradients /= volume6<Octahedron>(p) / 6;
+    return nearest +
+           (ofGradients - nearest * d) * d.completeOrthogonalDecomposition().pseudoInverse();
+  }
+}
+
 template <int K>
 Square<K, Octahedron> octahedronMass(const std::array<Vec3, 6>& p) {
   Eigen::Matrix3d jacobian;  // of the affine octahedron with the same axes, and the same volume
@@ -166,13 +203,13 @@ Square<K, Octahedron> octahedronMass(const std::array<Vec3, 6>& p) {
     for (int a = 0; a < 3; ++a) {
       for (int b = 0; b < 3; ++b) mass += metric(a, b) * regular.at(a, b);
     }
-    // x = Q c + rest, where c is the constant nearest to x in that metric.
+    // x = Q c + rest, where c is the mean of x.
     const auto q = ofConstants<K>(p);
     const Eigen::Matrix3d ofQ = q.transpose() * mass * q;
-    const Eigen::Matrix<double, 3, kLocalCount<K, Octahedron>> toConstant =
-        ofQ.ldlt().solve(q.transpose() * mass);
-    const Square<K, Octahedron> rest = Square<K, Octahedron>::Identity() - q * toConstant;
     const double volume = std::abs(volume6<Octahedron>(p)) / 6;
+    const Eigen::Matrix<double, 3, kLocalCount<K, Octahedron>> toConstant =
+        meanOf<K>(p, ofQ.ldlt().solve(q.transpose() * mass));
+    const Square<K, Octahedron> rest = Square<K, Octahedron>::Identity() - q * toConstant;
     mass = (rest.transpose() * mass * rest + volume * toConstant.transpose() * toConstant).eval();
     mass = ((mass + mass.transpose()) / 2).eval();
   }

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fit.h"
+
+namespace octet {
+
+/// Name of guide `k`: curves first, then vectors.
+const std::string& guideName(const Guides& guides, std::size_t k);
+
+/// @brief Finds guides that no field of the cage's resolution can follow both: samples of two
+/// guides, or of two arcs of one, closer than half a mean edge, whose wanted vectors differ by more
+/// than half of the greater, and where at least one is missed by a fifth or more of it. One report
+/// per pair of guides, where they disagree most.
+/// @param errors  |v - wanted| per sample
+std::vector<GuideConflict> findConflicts(const Guides& guides,
+                                         const std::vector<GuideSample>& samples,
+                                         const std::vector<double>& errors, double meanEdge);
+
+}  // namespace octet

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "../refine/refiner.h"
+#include "guides.h"
+
+namespace octet {
+
+/// What a fitted field is made of, and so what holds for it exactly.
+enum class FitKind : std::uint8_t {
+  DivergenceFree,  ///< a 2-form v = dA of a vector potential
+  CurlFree,        ///< a 1-form v = df of a potential
+  Free,            ///< a 2-form, neither
+};
+
+struct FitOptions {
+  FitKind kind = FitKind::DivergenceFree;
+  /// No flux through boundary facets without `flux`. Exact for 2-forms; a curl-free field only
+  /// comes near it, and its report says how near.
+  bool closedWalls = true;
+  /// Outward flux through boundary facets of the control mesh, by facet; for 2-forms.
+  std::map<Index, double> flux;
+  /// Details smaller than this, as a share of the domain's size (the cube root of its volume), are
+  /// smoothed away (smoothness.h); >= 0. With 0 guides alone decide, and have to.
+  double smoothness = 0.01;
+  int levels = 2;      ///< at which the limit field is compared with guides; at least as baked
+  double spacing = 0;  ///< of samples along curves, world units; 0: a quarter of the mean edge
+  double zeta = kDefaultZeta;
+  ProgressCallback progress{};
+};
+
+/// How well one guide is followed. Errors are |v - wanted| / |wanted|, root mean square over the
+/// guide's length.
+struct GuideReport {
+  std::string name;
+  std::size_t samples = 0;
+  double residual = 0;  ///< relative, 0.01 is one percent
+  double worst = 0;     ///< at one sample, relative to the guide's own mean speed
+};
+
+/// Two guides that ask for different things in nearly the same place, and neither is followed
+/// there.
+struct GuideConflict {
+  std::string first, second;  ///< names; the same for a curve that crosses itself
+  Vec3 point;                 ///< where they disagree most
+  double disagreement = 0;    ///< |wanted - wanted| / the greater of both
+  double residual = 0;        ///< the greater of both, there
+};
+
+struct FitReport {
+  std::vector<GuideReport> guides;  ///< curves, then vectors
+  double residual = 0;              ///< of all guides, relative, root mean square by weight
+  std::vector<GuideConflict> conflicts;
+  std::vector<std::string> remarks;  ///< what the user should know: little data, ill-posed, ...
+  std::size_t equations = 0;
+  Index unknowns = 0;
+  bool direct = true;  ///< solved by factorisation
+  int iterations = 0;
+  double solverResidual = 0;
+  /// Largest |flux| through a closed wall facet, relative to the largest flux: 0 for 2-forms; for a
+  /// curl-free field the normal part of the limit field on the walls, relative to its size there.
+  double wallFlux = 0;
+  double divergence = 0;  ///< largest |d v| of a cell relative to the largest |v|, for 2-forms
+};
+
+/// Coefficients on the control mesh.
+struct FitResult {
+  std::optional<Cochain<2>> flux;             ///< the field, as a 2-form
+  std::optional<Cochain<1>> circulation;      ///< the field of a curl-free fit, as a 1-form
+  std::optional<Cochain<1>> vectorPotential;  ///< A with flux = dA
+  std::optional<Cochain<0>> potential;        ///< f with circulation = df
+  /// How the form has to be refined for what is said here to hold: `bake --boundary`. Walls also
+  /// where some facets have a given flux, which `auto` would take for open.
+  BoundaryMode mode = BoundaryMode::Walls;
+  FitReport report;
+};
+
+/// @brief Finds the smooth field that follows guides best: least squares for the control
+/// coefficients, by their exact influence on the limit field (influence.h), plus a smoothness
+/// energy (smoothness.h), subject to exact constraints (wall_potential.h).
+///
+/// Made once per cage and options, solved for any number of sets of guides, as they are moved
+/// about. Const members are thread safe.
+class Fit {
+ public:
+  /// @throws InputError for options that cannot be: a facet that is not on the boundary, given
+  /// fluxes that do not add up, a negative smoothness.
+  Fit(const ControlMesh& mesh, const FitOptions& options = {});
+  ~Fit();
+  Fit(Fit&&) noexcept;
+
+  /// @throws InputError (file and place) for guides outside the domain or malformed, and when they
+  /// do not determine the field; Cancelled.
+  FitResult solve(const Guides& guides) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace octet
