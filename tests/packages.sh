@@ -16,11 +16,12 @@ install_packages() {
 # What the library and the command need.
 BUILD_PACKAGES=(g++ cmake ninja-build libtbb-dev libeigen3-dev libopenvdb-dev
   libboost-iostreams-dev nlohmann-json3-dev libcli11-dev libgmsh-dev libassimp-dev)
-# What pictures need.
-BUILD_PACKAGES+=(libboost-dev libcairo2-dev libembree-dev)
+# What streamlines and pictures need.
+BUILD_PACKAGES+=(libboost-dev libcairo2-dev libembree-dev libopenexr-dev)
 # What the tests need besides.
 TEST_PACKAGES=(libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-numpy python3-gmsh
   libopenvdb-tools clang-format)
 # What the Python module and the Blender add-on need, and their tests.
 BUILD_PACKAGES+=(pybind11-dev python3-dev)
 TEST_PACKAGES+=(python3-pytest python3-meshio blender xvfb xauth)
+TEST_PACKAGES+=(libtinyexr-dev openimageio-tools)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "../io/atomic_file.h"
 #include "slice_picture.h"
@@ -35,6 +36,9 @@ void writePicture(const Subject& subject, const PictureOptions& options, const s
   checkOptions(options);
   const AtomicFile trial(path);  // before work is put into it
   if (options.view == PictureView::Slice) {
+    if (std::filesystem::path(path).extension() == ".exr") {
+      throw InputError(path, "", "a drawn slice is written as .png");
+    }
     drawSlice(subject, options, path);
   } else {
     drawSolid(subject, options, path);

@@ -48,7 +48,9 @@ struct PictureOptions {
   bool surface = true;
 };
 
-/// Draws a picture and writes it as PNG, complete or not at all.
+/// Draws a picture and writes it as PNG; a 3d view also as OpenEXR, when the name ends in .exr:
+/// linear light R G B A, without background, title and colour bar. Complete or not at all. Float
+/// slices: slice_exr.h.
 /// @throws InputError, IoError, Cancelled
 void writePicture(const Subject& subject, const PictureOptions& options, const std::string& path);
 

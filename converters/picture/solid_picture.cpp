@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
+#include "../exr/exr_file.h"
 #include "canvas.h"
 
 namespace octet {
@@ -47,6 +49,23 @@ void drawLabels(const Subject& subject, const PictureOptions& options,
                 quantityLabel(subject, Quantity::Automatic), kTextSize * s, options.labels);
 }
 
+/// The rendered light itself.
+void writeLight(const RenderedImage& image, const Subject& subject, const std::string& path) {
+  ExrPart part;
+  part.name = "light";
+  part.width = image.width;
+  part.height = image.height;
+  part.channels = {"R", "G", "B", "A"};
+  part.attributes = {{"octet.source", subject.source}, {"octet.form", subject.form}};
+  const auto pixels = [&](std::size_t) {
+    std::vector<float> values;
+    values.reserve(4 * image.pixels.size());
+    for (const auto& pixel : image.pixels) values.insert(values.end(), pixel.begin(), pixel.end());
+    return values;
+  };
+  writeExr({part}, pixels, path);
+}
+
 }  // namespace
 
 void drawSolid(const Subject& subject, const PictureOptions& options, const std::string& path) {
@@ -56,6 +75,10 @@ void drawSolid(const Subject& subject, const PictureOptions& options, const std:
                   kRoom);
   const RenderedImage image =
       render(solid.scene, view, options.width, options.height, options.progress);
+  if (std::filesystem::path(path).extension() == ".exr") {
+    writeLight(image, subject, path);
+    return;
+  }
   canvas.paste(develop(image, solid.scene.background), 0, 0);
   drawLabels(subject, options, solid.scale, &canvas);
   canvas.writePng(path);

@@ -56,12 +56,13 @@ class SceneBuilder {
 
   SolidScene build() {
     const PictureStyle style = chooseStyle();
-    if (subject_.components > 0) result_.scale = scaleOfProbes();
+    // A vector field that is not drawn needs no colours.
+    if (subject_.components == 1 || style != PictureStyle::Plain) result_.scale = scaleOfProbes();
     if (style == PictureStyle::Streamlines) addStreamlines();
     if (style == PictureStyle::Arrows) addArrows();
     addCage();
     if (options_.mesh) addMesh();
-    if (options_.surface) addSurface(style == PictureStyle::Plain && subject_.components == 1);
+    if (options_.surface) addSurface(subject_.components == 1);
     for (const Vec3& p : subject_.shape.points) result_.extent.push_back(placed(p));
     if (result_.extent.empty()) addBoxToExtent();
     return std::move(result_);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 
+#include <octet/converters/exr/slice_exr.h>
 #include <octet/converters/picture/picture.h>
 #include <octet/core/base/error.h>
 
@@ -20,7 +21,8 @@ struct Arguments {
   std::optional<int> frame;
   AssetSubjectOptions asset;
   PictureOptions picture;
-  bool noLabels = false, noMesh = false, noSurface = false, json = false;
+  SliceExrOptions exr;
+  bool noLabels = false, noMesh = false, noSurface = false;
 };
 
 std::string extensionOf(const std::string& path) {
@@ -101,7 +103,45 @@ Subject readSubject(Arguments& arguments) {
   return assetSubject(asset, arguments.asset);
 }
 
-void run(Arguments& arguments) {
+/// An option that was given where it means nothing is a mistake.
+void refuse(const CLI::App& command, std::initializer_list<const char*> options,
+            const std::string& reason) {
+  for (const char* option : options) {
+    if (command.count(option) > 0) throw InputError(option, reason);
+  }
+}
+
+void checkUse(const CLI::App& command, bool exr, PictureView view) {
+  const bool slice = view == PictureView::Slice;
+  if (!(exr && slice)) {
+    refuse(command, {"--stack", "--atlas", "--rgb", "--layer"}, "is for slices in an .exr");
+  }
+  if (exr) {
+    refuse(command, {"--title", "--no-labels"}, "is for .png; an .exr has no text");
+    if (slice) {
+      refuse(command, {"--style", "--range"}, "is for .png; a slice's .exr holds the numbers");
+    }
+  }
+  if (slice) {
+    refuse(command, {"--camera", "--count", "--cage", "--mesh-level", "--no-mesh", "--no-surface"},
+           "is for --view 3d");
+  } else {
+    refuse(command, {"--slice", "--quantity", "--spacing"}, "is for slices");
+  }
+}
+
+/// The same slice as numbers.
+void setExr(const PictureOptions& picture, SliceExrOptions* exr) {
+  exr->axis = picture.axis;
+  exr->position = picture.position;
+  exr->width = picture.width;
+  exr->height = picture.height;
+  exr->quantity = picture.quantity;
+  exr->spacing = picture.spacing;
+  exr->progress = picture.progress;
+}
+
+void run(const CLI::App& command, Arguments& arguments) {
   PictureOptions& picture = arguments.picture;
   picture.labels = !arguments.noLabels;
   picture.mesh = !arguments.noMesh;
@@ -110,12 +150,20 @@ void run(Arguments& arguments) {
   if (!arguments.camera.empty()) parseCamera(arguments.camera, &picture.camera);
   if (!arguments.range.empty()) parseRange(arguments.range, &picture);
   const std::string extension = extensionOf(arguments.output);
-  if (extension != ".png") {
-    throw InputError("--output", "\"" + arguments.output + "\" does not end in .png");
+  const bool exr = extension == ".exr";
+  if (!exr && extension != ".png") {
+    throw InputError("--output", "\"" + arguments.output + "\" ends neither in .png nor in .exr");
   }
+  checkUse(command, exr, picture.view);
   picture.progress = arguments.asset.progress = consoleProgress();
   checkOutput(arguments.input, arguments.output);
-  writePicture(readSubject(arguments), picture, arguments.output);
+  const Subject subject = readSubject(arguments);
+  if (exr && picture.view == PictureView::Slice) {
+    setExr(picture, &arguments.exr);
+    writeSliceExr(subject, arguments.exr, arguments.output);
+  } else {
+    writePicture(subject, picture, arguments.output);
+  }
 }
 
 void addSubjectOptions(CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
@@ -196,6 +244,17 @@ void addPictureOptions(CLI::App* command, const std::shared_ptr<Arguments>& argu
   command->add_flag("--no-surface", arguments->noSurface, "Do not draw the boundary's surface");
 }
 
+void addExrOptions(CLI::App* command, SliceExrOptions* exr) {
+  command->add_flag("--rgb", exr->rgb, "In an .exr, a vector as channels R G B");
+  command->add_option("--layer", exr->layer, "In an .exr, a vector as channels LAYER.X .Y .Z")
+      ->capture_default_str();
+  command
+      ->add_option("--stack", exr->stack,
+                   "In an .exr, so many slices evenly through the domain, one part each")
+      ->check(CLI::Range(1, 10000));
+  command->add_flag("--atlas", exr->atlas, "In an .exr, the slices side by side in one image");
+}
+
 }  // namespace
 
 void addPreview(CLI::App* program) {
@@ -206,10 +265,14 @@ void addPreview(CLI::App* program) {
       ->add_option("INPUT", arguments->input,
                    "Control asset (*.octet.json, *.octet), mesh, or .vdb by any program")
       ->required();
-  command->add_option("-o,--output", arguments->output, "Picture to write, .png")->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Picture to write, .png; or .exr: a slice as floats, a 3d view as light")
+      ->required();
   addSubjectOptions(command, arguments);
   addPictureOptions(command, arguments);
-  command->callback([arguments] { run(*arguments); });
+  addExrOptions(command, &arguments->exr);
+  command->callback([arguments, command] { run(*command, *arguments); });
 }
 
 }  // namespace octet::cli
