@@ -217,11 +217,11 @@ std::vector<double> niceTicks(double min, double max, int count) {
   if (!(max > min)) return {min};
   const double rough = (max - min) / count;
   const double power = std::pow(10, std::floor(std::log10(rough)));
-  double step = 10 * power;
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= rough * (1 - 1e-9)) {
+  // The nearest, as ratios go.
+  double step = power;
+  for (const double factor : {2.0, 5.0, 10.0}) {
+    if (std::abs(std::log(factor * power / rough)) < std::abs(std::log(step / rough))) {
       step = factor * power;
-      break;
     }
   }
   // Whole multiples of the step; a little beyond the ends, for rounding.

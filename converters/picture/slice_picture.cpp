@@ -21,8 +21,10 @@ constexpr double kTitleRoom = 54, kRoomBelow = 46, kRoomLeft = 74, kMargin = 16;
 constexpr double kBarGap = 26, kBarWidth = 20, kBarRoom = 100;
 constexpr int kAxisTicks = 6;
 constexpr double kTickLength = 5;
-/// Arrows stand this far apart; the longest is a little shorter.
-constexpr double kArrowSpacing = 26, kLongestArrow = 0.95, kArrowThickness = 1.7;
+/// Arrows stand this far apart. Lengths are in proportion to the vectors, such that this part of
+/// them is no longer than the distance; a few fast places must not make all others points. Those
+/// are cut off at the longest, in distances.
+constexpr double kArrowSpacing = 26, kUsual = 0.9, kLongestArrow = 1.1, kArrowThickness = 1.7;
 /// Arrows shorter than this, in pixels, are left out.
 constexpr double kShortestArrow = 2;
 /// Reach of the convolution and how much of the brightness it modulates.
@@ -103,7 +105,7 @@ void drawArrows(const Subject& subject, const SliceGrid& grid, const Layout& l, 
     Canvas::Point at, vector;
   };
   std::vector<Arrow> arrows;
-  double longest = 0;
+  std::vector<double> lengths;
   const double rowHeight = spacing * std::sqrt(0.75);
   const int rows = std::max(1, static_cast<int>(grid.height / rowHeight));
   for (int row = 0; row < rows; ++row) {
@@ -116,13 +118,18 @@ void drawArrows(const Subject& subject, const SliceGrid& grid, const Layout& l, 
       if (!subject.sample(grid.point(x, y), v.data())) continue;
       const Canvas::Point flat(v[grid.rightAxis()], -v[grid.upAxis()]);
       arrows.push_back({{l.plotX + x, l.plotY + y}, flat});
-      longest = std::max(longest, flat.norm());
+      lengths.push_back(flat.norm());
     }
   }
-  if (!(longest > 0)) return;
+  if (arrows.empty()) return;
+  std::sort(lengths.begin(), lengths.end());
+  const double usual =
+      lengths[static_cast<std::size_t>(kUsual * static_cast<double>(lengths.size() - 1))];
+  if (!(usual > 0)) return;
   for (const Arrow& arrow : arrows) {
-    const Canvas::Point half = arrow.vector / longest * kLongestArrow * spacing / 2;
+    Canvas::Point half = arrow.vector / usual * spacing / 2;
     if (2 * half.norm() < kShortestArrow) continue;
+    half *= std::min(1.0, kLongestArrow * spacing / (2 * half.norm()));
     canvas->arrow(arrow.at - half, arrow.at + half, kArrowThickness * l.scale, {1, 1, 1},
                   {0.05, 0.05, 0.05});
   }
