@@ -25,3 +25,5 @@ TEST_PACKAGES=(libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-
 BUILD_PACKAGES+=(pybind11-dev python3-dev)
 TEST_PACKAGES+=(python3-pytest python3-meshio blender xvfb xauth)
 TEST_PACKAGES+=(libtinyexr-dev openimageio-tools)
+# What the benchmarks and the comparison with VTK need besides the build.
+BENCH_PACKAGES=(libbenchmark-dev python3-numpy python3-vtk9)

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Hill's spherical vortex, sampled on the edges of a ball that Gmsh meshed.
+"""Hill's spherical vortex with swirl, sampled on the edges of a ball that Gmsh meshed.
 
-The flow rises along the axis and returns along the surface, which it never crosses. Its vector
-potential is 0 on the sphere, so that boundary edges, chords of the sphere, get exactly 0. Only this
-script needs Gmsh (python3-gmsh); the asset it writes holds the mesh.
+The flow rises along the axis and returns along the surface, which it never crosses, and turns around
+the axis, so that streamlines wind around tori. Its vector potential is 0 on the sphere, so that
+boundary edges, chords of the sphere, get exactly 0. Only this script needs Gmsh (python3-gmsh); the
+asset it writes holds the mesh.
 """
 import os
 import sys
@@ -16,13 +17,14 @@ PATH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "ball.octet.json
 EDGE_LENGTH = 0.28  # asked of Gmsh; the ball has radius 1
 TETRAHEDRON = 4  # Gmsh's element type
 SPEED = 1.0  # at the centre
+SWIRL = 0.6  # angular
 
 
 def potential(p):
-    """Its curl is SPEED (x z, y z, 1 - 2 (x^2 + y^2) - z^2)."""
+    """Its curl is SPEED (x z, y z, 1 - 2 (x^2 + y^2) - z^2) + SWIRL (-y, x, 0)."""
     x, y, z = p
-    swirl = SPEED / 2 * (1 - x * x - y * y - z * z)
-    return (-swirl * y, swirl * x, 0.0)
+    bump = (1 - x * x - y * y - z * z) / 2
+    return (-SPEED * bump * y, SPEED * bump * x, SWIRL * bump)
 
 
 def mesh_ball():

@@ -49,12 +49,13 @@ def import_script(path):
 
 
 def expectation(readme):
-    """The first command in a README and the lines that are to be among its output."""
+    """The first command in a README and the lines quoted after it, which its output must have."""
     with open(readme) as file:
-        quoted = [line[4:].rstrip() for line in file if line.startswith("    ")]
-    words = shlex.split(quoted[0])
-    assert words[0] == "samples/bake.sh", quoted[0]
-    return words[1], words[2:], quoted[1:]
+        blocks = re.findall(r"(?:^    .*\n)+", file.read(), re.MULTILINE)
+    command, output = ([line[4:] for line in block.splitlines()] for block in blocks[:2])
+    words = shlex.split(command[0])
+    assert words[0] == "samples/bake.sh", command
+    return words[1], words[2:], output
 
 
 def same_line(got, want):

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "convergence.h"
+
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include <octet/core/field/rasterizer.h>
+#include <octet/core/forms/de_rham.h>
+
+namespace octet::testing {
+namespace {
+
+constexpr int kDeeper = 3;
+constexpr int kVoxels = 48;  // along the mesh' longest side
+constexpr int kMargin = kVoxels / 6;
+constexpr int kQuadrature = 8;
+
+using Values = std::map<std::array<std::int32_t, 3>, Vec3>;
+
+/// Turns about half around over the mesh' size, in each direction.
+Vec3 smoothField(const Vec3& x) {
+  return Vec3(std::sin(2.6 * x[1] + 0.4), std::cos(2 * x[2] + x[0]), std::sin(x[0] - 1.5 * x[1]));
+}
+
+/// The field over the unit ball or box that the mesh' bounds are mapped to, so that all meshes see
+/// the same one.
+template <int K>
+Cochain<K> sampledForm(const ControlMesh& mesh, const Box& bounds, BoundaryMode mode) {
+  const DeRham rham(*mesh.complex(), mesh.positions(), kQuadrature);
+  const Vec3 centre = (bounds.min + bounds.max) / 2;
+  const double radius = bounds.size().maxCoeff() / 2;
+  const auto field = [&](const Vec3& x) { return smoothField((x - centre) / radius); };
+  Cochain<K> form(*mesh.complex());
+  if constexpr (K == 1) {
+    form = rham.edges(field);
+  } else {
+    form = rham.facets(field);
+  }
+  if (mode == BoundaryMode::Open) return form;
+  const Complex& c = *mesh.complex();
+  for (Index f = 0; f < c.facetCount(); ++f) {
+    if (c.facetCells[f][1].exists()) continue;
+    if constexpr (K == 2) {
+      form[f] = 0;
+    } else {
+      for (const EdgeRef& e : c.facetEdges[f]) form[e.index()] = 0;
+    }
+  }
+  return form;
+}
+
+Values voxels(const VectorField& field, const GridFrame& frame) {
+  Values values;
+  std::mutex mutex;
+  rasterize<3>(field.source(), frame, Sampling::Collocated, [&](const Tile<3>& tile) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (int n = 0; n < Tile<3>::kSize; ++n) {
+      if (!tile.isActive(n)) continue;
+      values[{tile.origin[0] + n / 64, tile.origin[1] + n / 8 % 8, tile.origin[2] + n % 8}] =
+          Vec3(tile.values[0][n], tile.values[1][n], tile.values[2][n]);
+    }
+  });
+  return values;
+}
+
+/// Are there voxels kMargin away in all six directions?
+bool isInside(const Values& values, const std::array<std::int32_t, 3>& ijk) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int step : {-kMargin, kMargin}) {
+      auto other = ijk;
+      other[axis] += step;
+      if (values.count(other) == 0) return false;
+    }
+  }
+  return true;
+}
+
+VoxelError compare(const Values& values, const Values& reference) {
+  double difference[2] = {}, size[2] = {};
+  for (const auto& [ijk, value] : values) {
+    const auto exact = reference.find(ijk);
+    if (exact == reference.end()) continue;
+    for (int k = 0; k < (isInside(reference, ijk) ? 2 : 1); ++k) {
+      difference[k] += (value - exact->second).squaredNorm();
+      size[k] += exact->second.squaredNorm();
+    }
+  }
+  return {std::sqrt(difference[0] / size[0]), std::sqrt(difference[1] / size[1])};
+}
+
+}  // namespace
+
+std::vector<NamedMesh> convergenceMeshes() {
+  const auto ball = [](int x, int y, int z) { return x * x + y * y + z * z <= 16; };
+  return {{"lattice", latticeBlock(ball, 4)},
+          {"random ball", randomBall(50, 3)},
+          {"creased box", creasedBox(3, 0.1, 4)}};
+}
+
+template <int K>
+Convergence convergence(const ControlMesh& mesh, BoundaryMode mode, int levels) {
+  Box bounds;
+  for (const Vec3& x : mesh.positions()) bounds.extend(x);
+  // Off the mesh' own planes.
+  GridFrame frame;
+  frame.voxelSize = bounds.size().maxCoeff() / kVoxels;
+  frame.origin = bounds.min + frame.voxelSize * Vec3(0.31, 0.43, 0.57);
+  const Cochain<K> form = sampledForm<K>(mesh, bounds, mode);
+  std::vector<Values> limit, whitney;
+  for (int level = 0; level < levels + kDeeper; ++level) {
+    RefinerOptions options;
+    options.levels = level;
+    const Refiner refiner(mesh, options);
+    const Limit limits(refiner);
+    const Cochain<K> refined = refiner.refine(form, mode);
+    const auto valuesOf = [&](Reconstruction how) {
+      return voxels(makeField<K>(refiner, limits, refined, mode, how), frame);
+    };
+    limit.push_back(valuesOf(Reconstruction::Limit));
+    if (level < levels) whitney.push_back(valuesOf(Reconstruction::Whitney));
+  }
+  Convergence result;
+  for (int level = 0; level < levels; ++level) {
+    const Values& reference = limit[level + kDeeper];
+    result.limit.push_back(compare(limit[level], reference));
+    result.whitney.push_back(compare(whitney[level], reference));
+  }
+  return result;
+}
+
+template Convergence convergence<1>(const ControlMesh&, BoundaryMode, int);
+template Convergence convergence<2>(const ControlMesh&, BoundaryMode, int);
+
+double order(double coarse, double fine) { return std::log2(coarse / fine); }
+
+}  // namespace octet::testing
