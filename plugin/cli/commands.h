@@ -13,6 +13,7 @@
 
 namespace octet::cli {
 
+void addAdd(CLI::App* program);
 void addBake(CLI::App* program);
 void addFill(CLI::App* program);
 void addInfo(CLI::App* program);

@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
           "Number of threads; all by default")
       ->check(CLI::Range(1, 1024))
       ->trigger_on_parse();
+  octet::cli::addAdd(&program);
   octet::cli::addBake(&program);
   octet::cli::addFill(&program);
   octet::cli::addInfo(&program);
