@@ -9,6 +9,8 @@
 #include <octet/core/field/vertex_field.h>
 #include <octet/core/forms/coboundary.h>
 
+#include "velocity_plan.h"
+
 namespace octet {
 namespace {
 
@@ -69,7 +71,10 @@ class TurnedSource : public PieceSource<C> {
 class Baker {
  public:
   Baker(const ControlAsset& asset, const BakeOptions& options)
-      : asset_(asset), options_(options), target_(findTarget(options.target)) {
+      : asset_(asset),
+        options_(options),
+        target_(findTarget(options.target)),
+        planner_(asset.mesh) {
     selectForms();
     chooseGrid();
   }
@@ -249,8 +254,17 @@ class Baker {
   template <int K>
   VdbGridInfo bakeForm(const Form& form, std::optional<int> frame, VdbFile* vdb) const {
     const BoundaryMode mode = boundaryMode(asset_, form, options_.boundary);
-    return add<K>(form, refiner_->refine(coefficients<K>(asset_, form, frame.value_or(0)), mode),
-                  mode, vdb);
+    Cochain<K> control = coefficients<K>(asset_, form, frame.value_or(0));
+    std::string note;
+    if constexpr (K == 1 || K == 2) {
+      if (options_.project) {
+        auto closed = planner_.closest(control);
+        control = std::move(closed.form);
+        note = std::move(closed.note);
+      }
+    }
+    if constexpr (K == 2) return addFlux(form, control, nullptr, mode, note, vdb);
+    return add<K>(form, refiner_->refine(std::move(control), mode), mode, note, vdb);
   }
 
   /// d commutes with refinement: refining the derivative is differentiating the refined form.
@@ -270,8 +284,12 @@ class Baker {
         }
       }
     }
-    return add<K + 1>(form, refiner_->refine(derivative<K>(form, frame.value_or(0)), mode), mode,
-                      vdb);
+    Cochain<K + 1> control = derivative<K>(form, frame.value_or(0));
+    if constexpr (K == 1) {
+      const auto potential = coefficients<1>(asset_, form, frame.value_or(0));
+      return addFlux(form, control, &potential, mode, "", vdb);
+    }
+    return add<K + 1>(form, refiner_->refine(std::move(control), mode), mode, "", vdb);
   }
 
   /// The derivative on the control mesh; coefficients that cancel up to rounding are 0.
@@ -285,8 +303,49 @@ class Baker {
     return result;
   }
 
+  /// A staggered flux is baked from its vector potential, when it has one: by commutation the
+  /// refined potential's derivative is the refined form.
+  VdbGridInfo addFlux(const Form& form, const Cochain<2>& control, const Cochain<1>* given,
+                      BoundaryMode mode, std::string note, VdbFile* vdb) const {
+    const auto say = [&note](const std::string& more) {
+      if (!more.empty()) note += (note.empty() ? "" : "; ") + more;
+    };
+    Cochain<2> finest = refiner_->refine(control, mode);
+    if (options_.sampling == Sampling::Collocated) {
+      say(planner_.describeOpenness(control));
+      return add<2>(form, std::move(finest), mode, note, vdb);
+    }
+    if (options_.reconstruction == Reconstruction::Limit && !options_.samplesOnly) {
+      const VelocityPlan plan = planner_.plan(control, given);
+      say(plan.note);
+      if (plan.potential) {
+        const PotentialField field = potentialField(*plan.potential, finest, mode);
+        VdbGridSpec spec = gridSpec<2>(form, mode);
+        spec.method = "circulations";
+        spec.note = note;
+        return vdb->add(field, spec, options_.progress);
+      }
+    }
+    return add<2>(form, std::move(finest), mode, note, vdb);
+  }
+
+  PotentialField potentialField(const VectorPotential& potential, const Cochain<2>& finest,
+                                BoundaryMode mode) const {
+    const int level = refiner_->levels();
+    const auto turned = [&](Array<Vec3> vectors) {
+      parallelFor<std::size_t>(vectors.size(), [&](std::size_t k) {
+        vectors[k] = changeUpAxis(vectors[k], asset_.units.upAxis, upAxis());
+      });
+      return vectors;
+    };
+    return PotentialField(refiner_->sharedComplex(level), turned(refiner_->positions(level)),
+                          refiner_->refine(potential.form, mode),
+                          turned(limit_->vectors(finest, mode)), mode == BoundaryMode::Walls);
+  }
+
   template <int K>
-  VdbGridInfo add(const Form& form, Cochain<K> finest, BoundaryMode mode, VdbFile* vdb) const {
+  VdbGridInfo add(const Form& form, Cochain<K> finest, BoundaryMode mode, const std::string& note,
+                  VdbFile* vdb) const {
     auto field = makeField(*refiner_, *limit_, std::move(finest), mode, options_.reconstruction);
     if (upAxis() != asset_.units.upAxis) {
       using Source = TurnedSource<kComponents<K>>;
@@ -294,7 +353,9 @@ class Baker {
       field = Field<kComponents<K>>(
           std::make_shared<Source>(field, complex, asset_.units.upAxis, upAxis()));
     }
-    return vdb->add(field, gridSpec<K>(form, mode), options_.progress);
+    VdbGridSpec spec = gridSpec<K>(form, mode);
+    spec.note = note;
+    return vdb->add(field, spec, options_.progress);
   }
 
   template <int K>
@@ -330,6 +391,7 @@ class Baker {
   const ControlAsset& asset_;
   const BakeOptions& options_;
   const Target& target_;
+  VelocityPlanner planner_;
   std::vector<const Form*> forms_;
   const Form* velocity_ = nullptr;
   GridFrame frame_;

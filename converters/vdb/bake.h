@@ -21,7 +21,9 @@ struct BakeOptions {
   Sampling sampling = Sampling::Collocated;
   Reconstruction reconstruction = Reconstruction::Limit;
   std::string target = "openvdb";
+  bool samplesOnly = false;  ///< sample staggered fluxes too, though circulations conserve mass
   bool half = false;
+  bool project = false;  ///< replace 1- and 2-forms that are not closed by the nearest closed ones
   std::optional<std::pair<int, int>> frames;  ///< first and last; absent: all that the forms have
   double zeta = kDefaultZeta;
   ProgressCallback progress{};

@@ -5,13 +5,16 @@
 #include <cstring>
 #include <fstream>
 
+#include <openvdb/io/Compression.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 #include <tbb/enumerable_thread_specific.h>
 
+#include <octet/core/hodge/flux_rasterizer.h>
 #include <octet/version.h>
 
 #include "../io/atomic_file.h"
+#include "measure_grid.h"
 
 namespace octet {
 namespace {
@@ -25,15 +28,17 @@ class VdbArchive : public openvdb::io::Archive {
   }
 };
 
-/// The value of a sample as a grid stores it.
+/// The value of a sample as a file stores it.
 template <typename Value, int C>
-Value gridValue(const Tile<C>& tile, int n) {
+Value gridValue(const Tile<C>& tile, int n, bool half) {
+  Value value;
   if constexpr (C == 1) {
-    return static_cast<Value>(tile.values[0][n]);
+    value = static_cast<Value>(tile.values[0][n]);
   } else {
-    return Value(static_cast<float>(tile.values[0][n]), static_cast<float>(tile.values[1][n]),
-                 static_cast<float>(tile.values[2][n]));
+    value = Value(static_cast<float>(tile.values[0][n]), static_cast<float>(tile.values[1][n]),
+                  static_cast<float>(tile.values[2][n]));
   }
+  return half ? openvdb::io::truncateRealToHalf(value) : value;
 }
 
 double magnitude(float x) { return x; }
@@ -87,9 +92,9 @@ VdbGridInfo describe(const openvdb::GridBase& grid) {
   return info;
 }
 
-template <typename Grid, int C>
-typename Grid::Ptr fill(const Field<C>& field, const VdbGridSpec& spec,
-                        const ProgressCallback& progress, VdbGridInfo* info) {
+/// @param rasterize  calls its argument with the tiles of the grid
+template <typename Grid, int C, typename Rasterize>
+typename Grid::Ptr fill(const Rasterize& rasterize, const VdbGridSpec& spec, VdbGridInfo* info) {
   using Leaf = typename Grid::TreeType::LeafNodeType;
   using Value = typename Grid::ValueType;
   tbb::enumerable_thread_specific<LeafBatch<Leaf>> batches;
@@ -99,7 +104,7 @@ typename Grid::Ptr fill(const Field<C>& field, const VdbGridSpec& spec,
         openvdb::Coord(tile.origin[0], tile.origin[1], tile.origin[2]), Value(0.0f), false);
     Value* out = leaf->buffer().data();
     for (int n = 0; n < Tile<C>::kSize; ++n) {
-      out[n] = gridValue<Value>(tile, n);
+      out[n] = gridValue<Value>(tile, n, spec.half);
       if (!tile.isActive(n)) continue;
       const double size = magnitude(out[n]);
       batch.min = std::min(batch.min, size);
@@ -111,7 +116,7 @@ typename Grid::Ptr fill(const Field<C>& field, const VdbGridSpec& spec,
     leaf->setValueMask(mask);
     batch.leaves.push_back(std::move(leaf));
   };
-  rasterize<C>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
+  rasterize(sink);
 
   auto grid = Grid::create(Value(0.0f));
   double min = HUGE_VAL, max = -HUGE_VAL;
@@ -143,7 +148,20 @@ typename Grid::Ptr fill(const Field<C>& field, const VdbGridSpec& spec,
   grid->setSaveFloatAsHalf(spec.half);
   grid->setCreator(std::string("OctetVDB ") + kVersion);
   addMetadata(grid.get(), spec.metadata);
+  if constexpr (C == 3) {
+    addMetadata(grid.get(),
+                {{kSamplingMetadata,
+                  std::string(spec.sampling == Sampling::Staggered ? "staggered" : "collocated")}});
+    addMetadata(grid.get(), {{"octet_method", spec.method}});
+    if (!spec.note.empty()) addMetadata(grid.get(), {{"octet_note", spec.note}});
+    info->certificate = measureGrid(*grid);
+    addMetadata(grid.get(), toMetadata(*info->certificate));
+  }
+  const auto certificate = info->certificate;
   *info = describe(*grid);
+  info->certificate = certificate;
+  if (C == 3) info->method = spec.method;
+  info->note = spec.note;
   info->leaves = grid->tree().leafCount();
   info->min = info->activeVoxels ? min : 0;
   info->max = info->activeVoxels ? max : 0;
@@ -190,15 +208,31 @@ VdbFile::VdbFile(VdbFile&&) noexcept = default;
 
 VdbGridInfo VdbFile::add(const VectorField& field, const VdbGridSpec& spec,
                          const ProgressCallback& progress) {
+  const auto tiles = [&](const std::function<void(const Tile<3>&)>& sink) {
+    rasterize<3>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
+  };
   VdbGridInfo info;
-  grids_->list.push_back(fill<openvdb::Vec3SGrid>(field, spec, progress, &info));
+  grids_->list.push_back(fill<openvdb::Vec3SGrid, 3>(tiles, spec, &info));
+  return info;
+}
+
+VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
+                         const ProgressCallback& progress) {
+  const auto tiles = [&](const std::function<void(const Tile<3>&)>& sink) {
+    rasterizeFluxes(field, spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
+  };
+  VdbGridInfo info;
+  grids_->list.push_back(fill<openvdb::Vec3SGrid, 3>(tiles, spec, &info));
   return info;
 }
 
 VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
                          const ProgressCallback& progress) {
+  const auto tiles = [&](const std::function<void(const Tile<1>&)>& sink) {
+    rasterize<1>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
+  };
   VdbGridInfo info;
-  grids_->list.push_back(fill<openvdb::FloatGrid>(field, spec, progress, &info));
+  grids_->list.push_back(fill<openvdb::FloatGrid, 1>(tiles, spec, &info));
   return info;
 }
 

@@ -2,20 +2,17 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include <octet/core/field/field.h>
 #include <octet/core/field/rasterizer.h>
+#include <octet/core/hodge/potential_field.h>
+
+#include "certificate.h"
 
 namespace octet {
-
-/// A piece of grid or file metadata.
-struct VdbMetadata {
-  std::string name;
-  std::variant<std::string, double, std::int32_t> value;
-};
 
 /// How a field becomes an OpenVDB grid.
 struct VdbGridSpec {
@@ -28,7 +25,9 @@ struct VdbGridSpec {
   GridFrame frame;                                            ///< where samples are taken
   Vec3 shift = Vec3::Zero();  ///< by which the written transform differs from the frame
   Sampling sampling = Sampling::Collocated;
-  bool half = false;  ///< save as 16-bit floats
+  bool half = false;               ///< save as 16-bit floats
+  std::string method = "samples";  ///< of a vector grid, and what there is to say about it
+  std::string note;
   std::vector<VdbMetadata> metadata;
 };
 
@@ -41,6 +40,9 @@ struct VdbGridInfo {
   std::array<std::int32_t, 3> indexMin{}, indexMax{};
   bool half = false;
   std::vector<VdbMetadata> metadata;
+  std::string method;  ///< how a vector grid was made: "circulations", "samples"
+  std::string note;    ///< what there is to say about that
+  std::optional<Certificate> certificate;  ///< of a vector grid that was just made
 };
 
 /// @brief Collects grids and writes them to one .vdb file, which appears complete or not at all.
@@ -54,6 +56,9 @@ class VdbFile {
   /// Samples a field on a grid: vectors to vec3s, scalars to float.
   /// @throws InputError (voxel size), Cancelled
   VdbGridInfo add(const VectorField& field, const VdbGridSpec& spec,
+                  const ProgressCallback& progress = {});
+  /// The curl of a potential, with a discrete divergence of zero (flux_rasterizer.h): staggered.
+  VdbGridInfo add(const PotentialField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});
   VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});

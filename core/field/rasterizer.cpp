@@ -7,16 +7,13 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "../base/parallel.h"
+#include "block_bins.h"
 
 namespace octet {
 namespace {
 
 constexpr int kTile = 8, kInTile = kTile - 1;
-/// A patch is what is painted at once, this many tiles wide: so large that few cells lie in several
-/// patches, so small that it stays in a second-level cache.
-constexpr int kPatchTiles = 4, kPatch = kPatchTiles * kTile;
-/// Blocks are one patch each, unless that makes more of them than this.
-constexpr std::int64_t kMostBlocks = 1 << 20;
+constexpr int kPatch = kPatchTiles * kTile;
 /// Progress is reported about this often, and for no fewer blocks at once than these.
 constexpr std::size_t kReports = 100, kFewestBlocks = 256;
 /// Boxes are widened by this many voxels, so that samples on facets are found from both sides.
@@ -27,15 +24,7 @@ constexpr double kSteepest = 1e-12;
 /// Largest grid index in any direction.
 constexpr double kLargestIndex = 1 << 30;
 
-using Int = std::int32_t;
-
-/// A range of integer points, both ends included.
-struct IndexBox {
-  std::array<Int, 3> min, max;
-  bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
-};
-
-Int floorDivide(Int a, Int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+using Int = GridIndex;
 
 /// Rounds a small number up that is not negative.
 int ceilPositive(double x) {
@@ -248,91 +237,6 @@ class PatchPainter {
   Vec3 first_ = Vec3::Zero();  // the patch' first sample
   std::vector<Tile<C>> tiles_;
   std::array<bool, kPatchTiles * kPatchTiles * kPatchTiles> used_{};
-};
-
-/// Cells by the blocks of patches that they meet, ascending in each.
-class BlockBins {
- public:
-  BlockBins(Index cellCount, const IndexBox& tiles,
-            const std::function<IndexBox(Index)>& tilesOfCell)
-      : tilesOfCell_(tilesOfCell), first_(tiles.min) {
-    for (width_ = kPatchTiles; blockCount(tiles) > kMostBlocks; width_ *= 2) {
-    }
-    for (int k = 0; k < 3; ++k) counts_[k] = (tiles.max[k] - tiles.min[k]) / width_ + 1;
-    // A fixed number of chunks counts and then fills in parallel; their order keeps cells sorted.
-    const std::size_t blocks = static_cast<std::size_t>(blockCount(tiles));
-    const int chunks = static_cast<int>(std::clamp<std::size_t>(
-        (std::size_t{1} << 24) / blocks, 1, std::min<std::size_t>(64, cellCount / 4096 + 1)));
-    Array<std::size_t> next(blocks * chunks + 1, 0);
-    const auto chunkLoop = [&](const auto& body) {
-      parallelFor<int>(
-          chunks,
-          [&](int chunk) {
-            const auto bound = [&](int k) {
-              return static_cast<Index>(std::int64_t{cellCount} * k / chunks);
-            };
-            for (Index cell = bound(chunk); cell < bound(chunk + 1); ++cell) {
-              visitBlocks(cell, [&](std::size_t b) { body(b * chunks + chunk, cell); });
-            }
-          },
-          1);
-    };
-    chunkLoop([&](std::size_t slot, Index) { ++next[slot + 1]; });
-    for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
-    begin_.resize(blocks + 1);
-    for (std::size_t b = 0; b <= blocks; ++b) begin_[b] = next[b * chunks];
-    items_.resize(next.back());
-    chunkLoop([&](std::size_t slot, Index cell) { items_[next[slot]++] = cell; });
-  }
-
-  std::size_t blockCount() const { return begin_.size() - 1; }
-  const Index* begin(std::size_t block) const { return items_.data() + begin_[block]; }
-  const Index* end(std::size_t block) const { return items_.data() + begin_[block + 1]; }
-
-  /// Calls `visit` with the first tile of each patch of a block.
-  template <typename Visit>
-  void visitPatches(std::size_t block, const Visit& visit) const {
-    const std::size_t perLayer = static_cast<std::size_t>(counts_[1]) * counts_[2];
-    const Int at[3] = {static_cast<Int>(block / perLayer),
-                       static_cast<Int>(block % perLayer / counts_[2]),
-                       static_cast<Int>(block % counts_[2])};
-    for (Int i = 0; i < width_; i += kPatchTiles) {
-      for (Int j = 0; j < width_; j += kPatchTiles) {
-        for (Int k = 0; k < width_; k += kPatchTiles) {
-          visit(std::array<Int, 3>{first_[0] + at[0] * width_ + i, first_[1] + at[1] * width_ + j,
-                                   first_[2] + at[2] * width_ + k});
-        }
-      }
-    }
-  }
-
- private:
-  std::int64_t blockCount(const IndexBox& tiles) const {
-    std::int64_t n = 1;
-    for (int k = 0; k < 3; ++k) n *= (tiles.max[k] - tiles.min[k]) / width_ + 1;
-    return n;
-  }
-
-  template <typename Visit>
-  void visitBlocks(Index cell, const Visit& visit) const {
-    const IndexBox box = tilesOfCell_(cell);
-    if (box.empty()) return;
-    const auto block = [&](Int tile, int k) { return (tile - first_[k]) / width_; };
-    for (Int i = block(box.min[0], 0); i <= block(box.max[0], 0); ++i) {
-      for (Int j = block(box.min[1], 1); j <= block(box.max[1], 1); ++j) {
-        for (Int k = block(box.min[2], 2); k <= block(box.max[2], 2); ++k) {
-          visit((static_cast<std::size_t>(i) * counts_[1] + j) * counts_[2] + k);
-        }
-      }
-    }
-  }
-
-  std::function<IndexBox(Index)> tilesOfCell_;
-  std::array<Int, 3> first_;
-  std::array<Int, 3> counts_{};
-  Int width_ = kPatchTiles;
-  Array<std::size_t> begin_;
-  Array<Index> items_;
 };
 
 }  // namespace

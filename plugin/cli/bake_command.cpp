@@ -10,6 +10,7 @@
 #include <octet/converters/vdb/bake.h>
 #include <octet/core/base/error.h>
 
+#include "certificate_text.h"
 #include "commands.h"
 #include "console.h"
 
@@ -70,18 +71,22 @@ BakeReport bakeFrom(const std::string& control, const ControlAsset& asset,
 }
 
 nlohmann::ordered_json toJson(const VdbGridInfo& grid) {
-  return {{"name", grid.name},
-          {"type", grid.type},
-          {"class", grid.gridClass},
-          {"vector_type", grid.vectorType},
-          {"voxel_size", grid.voxelSize},
-          {"active_voxels", grid.activeVoxels},
-          {"leaves", grid.leaves},
-          {"index_min", grid.indexMin},
-          {"index_max", grid.indexMax},
-          {"min", grid.min},
-          {"max", grid.max},
-          {"half", grid.half}};
+  nlohmann::ordered_json result = {{"name", grid.name},
+                                   {"type", grid.type},
+                                   {"class", grid.gridClass},
+                                   {"vector_type", grid.vectorType},
+                                   {"voxel_size", grid.voxelSize},
+                                   {"active_voxels", grid.activeVoxels},
+                                   {"leaves", grid.leaves},
+                                   {"index_min", grid.indexMin},
+                                   {"index_max", grid.indexMax},
+                                   {"min", grid.min},
+                                   {"max", grid.max},
+                                   {"half", grid.half}};
+  if (!grid.method.empty()) result["method"] = grid.method;
+  if (!grid.note.empty()) result["note"] = grid.note;
+  if (grid.certificate) result["certificate"] = cli::toJson(*grid.certificate);
+  return result;
 }
 
 void print(const BakeReport& report, double seconds, bool json) {
@@ -110,6 +115,11 @@ void print(const BakeReport& report, double seconds, bool json) {
                   grid.type.c_str(), grid.half ? " (half)" : "",
                   grouped(static_cast<std::int64_t>(grid.activeVoxels)).c_str(),
                   grid.vectorType.empty() ? "value" : "length", grid.min, grid.max);
+      if (!grid.method.empty()) {
+        std::printf("    from %s%s%s\n", grid.method.c_str(), grid.note.empty() ? "" : "; ",
+                    grid.note.c_str());
+      }
+      if (grid.certificate) printCertificate(*grid.certificate, "    ");
     }
   }
   if (!report.note.empty()) std::printf("note: %s\n", report.note.c_str());
@@ -177,7 +187,11 @@ void addBake(CLI::App* program) {
       "limit: smooth, second order; whitney: Whitney forms on the finest level");
   command->add_option("--target", options.target, "Conventions of the program that reads the grids")
       ->option_text("openvdb|blender|houdini|arnold|renderman");
+  command->add_flag("--samples-only", options.samplesOnly,
+                    "Sample staggered fluxes at face centres, though circulations conserve mass");
   command->add_flag("--half", options.half, "Store 16-bit floats");
+  command->add_flag("--project", options.project,
+                    "Replace 1- and 2-forms that are not closed by the nearest closed ones");
   command->add_option("--frames", arguments->frames, "Frames A-B of an animated asset");
   command->add_option("--zeta", options.zeta, "Free weight of the octahedron's linear rule")
       ->capture_default_str();

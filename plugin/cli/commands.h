@@ -21,6 +21,7 @@ void addInfo(CLI::App* program);
 void addPreview(CLI::App* program);
 #endif
 void addRefine(CLI::App* program);
+void addVerify(CLI::App* program);
 
 /// Adds an option that takes one of some names, in any case.
 template <typename T>

@@ -68,6 +68,7 @@ int main(int argc, char** argv) {
   octet::cli::addPreview(&program);
 #endif
   octet::cli::addRefine(&program);
+  octet::cli::addVerify(&program);
   octet::cli::watchForInterrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit is then an error like a full disk
   try {
