@@ -10,42 +10,33 @@
 
 #include <octet/core/base/error.h>
 
-#include "tests/support/meshes.h"
-
 namespace octet::bench {
 namespace {
 
 using testing::VoxelError;
 
-void print(const char* reconstruction, const std::vector<VoxelError>& errors) {
-  std::printf(" %s |", reconstruction);
-  for (const VoxelError& e : errors) std::printf(" %.1e |", e.inside);
-  const VoxelError &fine = errors.back(), &coarse = errors[errors.size() - 2];
-  std::printf(" %.2f | %.1e | %.2f |\n", testing::order(coarse.inside, fine.inside), fine.all,
-              testing::order(coarse.all, fine.all));
-  std::fflush(stdout);
-}
-
-template <int K>
-void rows(const char* name, const ControlMesh& mesh, BoundaryMode mode, int levels) {
-  const testing::Convergence errors = testing::convergence<K>(mesh, mode, levels);
-  for (const bool limit : {true, false}) {
-    std::printf("| %s | %d | %s |", name, K, mode == BoundaryMode::Walls ? "walls" : "open");
-    print(limit ? "limit" : "Whitney", limit ? errors.limit : errors.whitney);
-  }
+/// Error of the last level and the order between the last two.
+void print(const std::vector<VoxelError>& errors, double VoxelError::*part) {
+  const double fine = errors.back().*part, coarse = errors[errors.size() - 2].*part;
+  std::printf(" %.2g %%, %.2f |", 100 * fine, testing::order(coarse, fine));
 }
 
 void run(int levels) {
-  std::printf("| mesh | degree | mode | reconstruction |");
-  for (int k = 0; k < levels; ++k) std::printf(" level %d |", k);
-  std::printf(" order | at the boundary too | order |\n|---|---|---|---|");
-  for (int k = 0; k < levels + 3; ++k) std::printf("---|");
-  std::printf("\n");
-  for (const auto& [name, input] : testing::convergenceMeshes()) {
-    const ControlMesh mesh = ControlMesh::build(input);
-    for (const auto mode : {BoundaryMode::Open, BoundaryMode::Walls}) {
-      rows<1>(name.c_str(), mesh, mode, levels);
-      rows<2>(name.c_str(), mesh, mode, levels);
+  std::printf(
+      "Error of level %d and order between the last two levels, inside and over all voxels\n"
+      "| mesh | degree | mode | limit | Whitney | limit, all | Whitney, all |\n"
+      "|---|---|---|---|---|---|---|\n",
+      levels - 1);
+  for (const auto& [name, mesh] : testing::convergenceMeshes()) {
+    for (const testing::Convergence& c : testing::convergence(mesh, levels)) {
+      std::printf("| %s | %d | %s |", name, c.degree,
+                  c.mode == BoundaryMode::Walls ? "walls" : "open");
+      for (const auto part : {&VoxelError::inside, &VoxelError::all}) {
+        print(c.limit, part);
+        print(c.whitney, part);
+      }
+      std::printf("\n");
+      std::fflush(stdout);
     }
   }
 }

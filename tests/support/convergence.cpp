@@ -2,11 +2,15 @@
 #include "convergence.h"
 
 #include <cmath>
+#include <functional>
 #include <map>
 #include <mutex>
 
+#include <octet/converters/control_asset/control_asset.h>
 #include <octet/core/field/rasterizer.h>
 #include <octet/core/forms/de_rham.h>
+
+#include "meshes.h"
 
 namespace octet::testing {
 namespace {
@@ -76,6 +80,24 @@ bool isInside(const Values& values, const std::array<std::int32_t, 3>& ijk) {
   return true;
 }
 
+/// Voxel values of one form, level after level.
+struct Series {
+  int degree;
+  BoundaryMode mode;
+  std::function<Values(const Refiner&, const Limit&, Reconstruction)> valuesOn;
+  std::vector<Values> limit, whitney;
+};
+
+template <int K>
+Series makeSeries(const ControlMesh& mesh, const Box& bounds, const GridFrame& frame,
+                  BoundaryMode mode) {
+  const Cochain<K> form = sampledForm<K>(mesh, bounds, mode);
+  const auto valuesOn = [=](const Refiner& refiner, const Limit& limit, Reconstruction how) {
+    return voxels(makeField<K>(refiner, limit, refiner.refine(form, mode), mode, how), frame);
+  };
+  return {K, mode, valuesOn, {}, {}};
+}
+
 VoxelError compare(const Values& values, const Values& reference) {
   double difference[2] = {}, size[2] = {};
   for (const auto& [ijk, value] : values) {
@@ -91,46 +113,51 @@ VoxelError compare(const Values& values, const Values& reference) {
 
 }  // namespace
 
-std::vector<NamedMesh> convergenceMeshes() {
+std::vector<ConvergenceMesh> convergenceMeshes() {
   const auto ball = [](int x, int y, int z) { return x * x + y * y + z * z <= 16; };
-  return {{"lattice", latticeBlock(ball, 4)},
-          {"random ball", randomBall(50, 3)},
-          {"creased box", creasedBox(3, 0.1, 4)}};
+  return {{"lattice", ControlMesh::build(latticeBlock(ball, 4))},
+          {"Gmsh ball", readControlAsset(OCTET_TEST_DATA "/reference/ball.octet").mesh},
+          {"random ball", ControlMesh::build(randomBall(50, 3))},
+          {"creased box", ControlMesh::build(creasedBox(3, 0.1, 4))}};
 }
 
-template <int K>
-Convergence convergence(const ControlMesh& mesh, BoundaryMode mode, int levels) {
+std::vector<Convergence> convergence(const ControlMesh& mesh, int levels) {
   Box bounds;
   for (const Vec3& x : mesh.positions()) bounds.extend(x);
   // Off the mesh' own planes.
   GridFrame frame;
   frame.voxelSize = bounds.size().maxCoeff() / kVoxels;
   frame.origin = bounds.min + frame.voxelSize * Vec3(0.31, 0.43, 0.57);
-  const Cochain<K> form = sampledForm<K>(mesh, bounds, mode);
-  std::vector<Values> limit, whitney;
+
+  std::vector<Series> series;
+  for (const BoundaryMode mode : {BoundaryMode::Open, BoundaryMode::Walls}) {
+    series.push_back(makeSeries<1>(mesh, bounds, frame, mode));
+    series.push_back(makeSeries<2>(mesh, bounds, frame, mode));
+  }
   for (int level = 0; level < levels + kDeeper; ++level) {
     RefinerOptions options;
     options.levels = level;
     const Refiner refiner(mesh, options);
-    const Limit limits(refiner);
-    const Cochain<K> refined = refiner.refine(form, mode);
-    const auto valuesOf = [&](Reconstruction how) {
-      return voxels(makeField<K>(refiner, limits, refined, mode, how), frame);
-    };
-    limit.push_back(valuesOf(Reconstruction::Limit));
-    if (level < levels) whitney.push_back(valuesOf(Reconstruction::Whitney));
+    const Limit limit(refiner);
+    for (Series& s : series) {
+      s.limit.push_back(s.valuesOn(refiner, limit, Reconstruction::Limit));
+      if (level < levels) {
+        s.whitney.push_back(s.valuesOn(refiner, limit, Reconstruction::Whitney));
+      }
+    }
   }
-  Convergence result;
-  for (int level = 0; level < levels; ++level) {
-    const Values& reference = limit[level + kDeeper];
-    result.limit.push_back(compare(limit[level], reference));
-    result.whitney.push_back(compare(whitney[level], reference));
+  std::vector<Convergence> result;
+  for (const Series& s : series) {
+    Convergence c{s.degree, s.mode, {}, {}};
+    for (int level = 0; level < levels; ++level) {
+      const Values& reference = s.limit[level + kDeeper];
+      c.limit.push_back(compare(s.limit[level], reference));
+      c.whitney.push_back(compare(s.whitney[level], reference));
+    }
+    result.push_back(std::move(c));
   }
   return result;
 }
-
-template Convergence convergence<1>(const ControlMesh&, BoundaryMode, int);
-template Convergence convergence<2>(const ControlMesh&, BoundaryMode, int);
 
 double order(double coarse, double fine) { return std::log2(coarse / fine); }
 

@@ -5,8 +5,6 @@
 
 #include <octet/core/field/field.h>
 
-#include "meshes.h"
-
 namespace octet::testing {
 
 /// How far the voxel values of a level are from those of the limit reconstruction three levels
@@ -17,18 +15,23 @@ struct VoxelError {
   double inside = 0;  ///< only of voxels at least a sixth of the mesh' size from the boundary
 };
 
-/// Errors of levels 0, 1, ...
+/// Errors of levels 0, 1, ... for a smooth field sampled on the mesh as a 1-form or a 2-form. In
+/// walls its boundary coefficients are set to 0 first: such forms are what the mode is for.
 struct Convergence {
+  int degree;
+  BoundaryMode mode;
   std::vector<VoxelError> limit, whitney;
 };
 
-/// A regular lattice, an irregular ball and a creased box, about 200 cells each.
-std::vector<NamedMesh> convergenceMeshes();
+/// Of both degrees in both modes, levels 0 to levels - 1.
+std::vector<Convergence> convergence(const ControlMesh& mesh, int levels);
 
-/// Errors of levels 0 to levels - 1 for a smooth field sampled on the mesh as a K-form (K = 1, 2).
-/// In walls its boundary coefficients are set to 0 first: such forms are what the mode is for.
-template <int K>
-Convergence convergence(const ControlMesh& mesh, BoundaryMode mode, int levels);
+struct ConvergenceMesh {
+  const char* name;
+  ControlMesh mesh;
+};
+/// A regular lattice; a ball as Gmsh meshes it; one of random points, with slivers; a creased box.
+std::vector<ConvergenceMesh> convergenceMeshes();
 
 /// Exponent of the mesh width in an error that fell from `coarse` to `fine` as the width halved.
 double order(double coarse, double fine);
