@@ -16,11 +16,13 @@ namespace octet::cli {
 void addAdd(CLI::App* program);
 void addBake(CLI::App* program);
 void addFill(CLI::App* program);
+void addFit(CLI::App* program);
 void addInfo(CLI::App* program);
 #ifdef OCTETVDB_WITH_PICTURES
 void addPreview(CLI::App* program);
 #endif
 void addRefine(CLI::App* program);
+void addSample(CLI::App* program);
 void addVerify(CLI::App* program);
 
 /// Adds an option that takes one of some names, in any case.

@@ -63,11 +63,13 @@ int main(int argc, char** argv) {
   octet::cli::addAdd(&program);
   octet::cli::addBake(&program);
   octet::cli::addFill(&program);
+  octet::cli::addFit(&program);
   octet::cli::addInfo(&program);
 #ifdef OCTETVDB_WITH_PICTURES
   octet::cli::addPreview(&program);
 #endif
   octet::cli::addRefine(&program);
+  octet::cli::addSample(&program);
   octet::cli::addVerify(&program);
   octet::cli::watchForInterrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit is then an error like a full disk

@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "guide_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include <octet/core/base/error.h>
+
+#include "../control_asset/document.h"
+#include "text_lines.h"
+
+namespace octet {
+namespace {
+
+std::string lineName(int number) { return "line " + std::to_string(number); }
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+// ---- OBJ
+// ------------------------------------------------------------------------------------------
+
+class ObjReader {
+ public:
+  ObjReader(std::string path, double speed) : path_(std::move(path)), speed_(speed) {}
+
+  Guides read() {
+    visitLines(path_, [&](std::string_view text, int number) {
+      const auto words = splitText(text.substr(0, text.find('#')), " \t");
+      if (words.empty()) return;
+      if (words[0] == "v") addVertex(words, number);
+      if (words[0] == "l") addLine(words, number);
+      if ((words[0] == "o" || words[0] == "g") && words.size() > 1) name_ = std::string(words[1]);
+    });
+    if (guides_.curves.empty()) throw InputError(path_, "", "has no polylines (l elements)");
+    return std::move(guides_);
+  }
+
+ private:
+  void addVertex(const std::vector<std::string_view>& words, int number) {
+    if (words.size() < 4) throw InputError(path_, lineName(number), "a vertex needs x, y and z");
+    Vec3 p;
+    for (std::size_t k = 0; k < 3; ++k) {
+      p[static_cast<Index>(k)] = parseNumber(words[k + 1], path_, lineName(number));
+    }
+    vertices_.push_back(p);
+    lines_.push_back(number);
+  }
+
+  void addLine(const std::vector<std::string_view>& words, int number) {
+    GuideCurve curve;
+    curve.file = path_;
+    curve.speeds = {speed_};
+    curve.name = name_.empty() ? "curve " + std::to_string(guides_.curves.size() + 1) : name_;
+    for (std::size_t k = 1; k < words.size(); ++k) {
+      // "vertex/texture": the first is meant; below 0 counts back from the latest.
+      const double index =
+          parseNumber(words[k].substr(0, words[k].find('/')), path_, lineName(number));
+      const double count = static_cast<double>(vertices_.size());
+      const double at = index < 0 ? count + index : index - 1;
+      if (!(at >= 0 && at < count) || at != std::floor(at)) {
+        throw InputError(path_, lineName(number),
+                         "\"" + std::string(words[k]) + "\" is none of the " +
+                             std::to_string(vertices_.size()) + " vertices before");
+      }
+      curve.points.push_back(vertices_[static_cast<std::size_t>(at)]);
+      curve.places.push_back(lineName(lines_[static_cast<std::size_t>(at)]));
+    }
+    if (curve.points.size() < 2) {
+      throw InputError(path_, lineName(number), "a polyline needs two vertices or more");
+    }
+    // Mesh editors write a curve edge by edge.
+    GuideCurve* last = guides_.curves.empty() ? nullptr : &guides_.curves.back();
+    if (last && last->name == curve.name && last->places.back() == curve.places.front() &&
+        last->points.back() == curve.points.front()) {
+      last->points.insert(last->points.end(), curve.points.begin() + 1, curve.points.end());
+      last->places.insert(last->places.end(), curve.places.begin() + 1, curve.places.end());
+    } else {
+      guides_.curves.push_back(std::move(curve));
+    }
+  }
+
+  std::string path_, name_;
+  double speed_;
+  std::vector<Vec3> vertices_;
+  std::vector<int> lines_;
+  Guides guides_;
+};
+
+// ---- CSV
+// ------------------------------------------------------------------------------------------
+
+class CsvReader {
+ public:
+  CsvReader(std::string path, double speed) : path_(std::move(path)), speed_(speed) {}
+
+  Guides read() {
+    visitLines(path_, [&](std::string_view text, int number) {
+      text = trimmed(text.substr(0, text.find('#')));
+      if (text.empty()) return;
+      if (names_.empty()) {
+        readHeader(text, number);
+      } else {
+        readRow(text, number);
+      }
+    });
+    if (guides_.curves.empty() && guides_.vectors.empty()) {
+      throw InputError(path_, "", "has no guides");
+    }
+    return std::move(guides_);
+  }
+
+ private:
+  void readHeader(std::string_view text, int number) {
+    for (const char c : {',', ';', '\t'}) {
+      if (text.find(c) != text.npos) {
+        separator_ = c;
+        break;
+      }
+    }
+    static const std::vector<std::string> kKnown = {"curve", "name",   "x",  "y",  "z",
+                                                    "speed", "weight", "vx", "vy", "vz"};
+    for (const std::string_view part : splitText(text, std::string(1, separator_))) {
+      names_.push_back(lower(part));
+      if (std::find(kKnown.begin(), kKnown.end(), names_.back()) == kKnown.end()) {
+        throw InputError(path_, lineName(number),
+                         "column \"" + std::string(part) +
+                             "\" is none of curve, name, x, y, z, speed, weight, vx, vy, vz");
+      }
+    }
+    for (const char* needed : {"x", "y", "z"}) {
+      if (!column(needed)) {
+        throw InputError(path_, lineName(number),
+                         std::string("the header has no column \"") + needed + "\"");
+      }
+    }
+  }
+
+  std::optional<std::size_t> column(const std::string& name) const {
+    const auto at = std::find(names_.begin(), names_.end(), name);
+    if (at == names_.end()) return std::nullopt;
+    return static_cast<std::size_t>(at - names_.begin());
+  }
+
+  std::string_view cell(const std::string& name) const {
+    const auto k = column(name);
+    return k ? cells_[*k] : std::string_view();
+  }
+
+  double number(const std::string& name, int line, std::optional<double> otherwise) const {
+    if (cell(name).empty() && otherwise) return *otherwise;
+    return parseNumber(cell(name), path_, lineName(line) + ", column " + name);
+  }
+
+  void readRow(std::string_view text, int line) {
+    cells_ = splitText(text, std::string(1, separator_));
+    if (cells_.size() != names_.size()) {
+      throw InputError(path_, lineName(line),
+                       std::to_string(cells_.size()) + " columns, but the header has " +
+                           std::to_string(names_.size()));
+    }
+    const Vec3 p(number("x", line, {}), number("y", line, {}), number("z", line, {}));
+    const double weight = number("weight", line, 1.0);
+    if (cell("curve").empty()) {
+      addVector(p, weight, line);
+      return;
+    }
+    const std::string name(cell("curve"));
+    if (guides_.curves.empty() || guides_.curves.back().name != name || inVectors_) {
+      guides_.curves.push_back({name, {}, {}, weight, path_, {}});
+    }
+    inVectors_ = false;
+    GuideCurve& curve = guides_.curves.back();
+    if (weight != curve.weight) {
+      throw InputError(path_, lineName(line), "the weight differs within curve \"" + name + "\"");
+    }
+    curve.points.push_back(p);
+    curve.speeds.push_back(number("speed", line, speed_));
+    curve.places.push_back(lineName(line));
+  }
+
+  void addVector(const Vec3& p, double weight, int line) {
+    inVectors_ = true;
+    if (!column("vx") || !column("vy") || !column("vz")) {
+      throw InputError(path_, lineName(line),
+                       "belongs to no curve, and a vector needs columns vx, vy, vz");
+    }
+    GuideVector vector;
+    vector.name = cell("name").empty() ? "vector " + std::to_string(guides_.vectors.size() + 1)
+                                       : std::string(cell("name"));
+    vector.point = p;
+    vector.value = Vec3(number("vx", line, {}), number("vy", line, {}), number("vz", line, {}));
+    vector.weight = weight;
+    vector.file = path_;
+    vector.place = lineName(line);
+    guides_.vectors.push_back(std::move(vector));
+  }
+
+  std::string path_;
+  double speed_;
+  char separator_ = ',';
+  std::vector<std::string> names_;
+  std::vector<std::string_view> cells_;
+  bool inVectors_ = false;
+  Guides guides_;
+};
+
+// ---- JSON
+// -----------------------------------------------------------------------------------------
+
+using Kind = DocumentValue::Kind;
+
+class JsonReader {
+ public:
+  JsonReader(std::string path, double speed) : path_(std::move(path)), speed_(speed) {}
+
+  Guides read() {
+    const DocumentValue document = readDocument(path_);
+    if (document.kind != Kind::Object) fail("", "is not a JSON object");
+    for (const std::string& key : document.keys) {
+      if (key != "curves" && key != "vectors") fail(key, "is neither curves nor vectors");
+    }
+    visitObjects(document, "curves", [&](const DocumentValue& curve, const std::string& place) {
+      addCurve(curve, place);
+    });
+    visitObjects(document, "vectors", [&](const DocumentValue& vector, const std::string& place) {
+      addVector(vector, place);
+    });
+    if (guides_.curves.empty() && guides_.vectors.empty()) fail("", "has no guides");
+    return std::move(guides_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& place, const std::string& reason) const {
+    throw InputError(path_, place, reason);
+  }
+
+  template <typename Visit>
+  void visitObjects(const DocumentValue& document, const std::string& key, const Visit& visit) {
+    const DocumentValue* list = document.find(key);
+    if (!list) return;
+    if (list->kind != Kind::Array) {
+      // An empty list is a table of no numbers.
+      if (list->kind == Kind::Table && list->size() == 0) return;
+      fail(key, "is not a list of objects");
+    }
+    for (std::size_t k = 0; k < list->elements.size(); ++k) {
+      const std::string place = key + "[" + std::to_string(k) + "]";
+      if (list->elements[k].kind != Kind::Object) fail(place, "is not an object");
+      visit(list->elements[k], place);
+    }
+  }
+
+  void checkKeys(const DocumentValue& object, const std::string& place,
+                 const std::vector<std::string>& known) const {
+    for (const std::string& key : object.keys) {
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        fail(place + "." + key, "is not known");
+      }
+    }
+  }
+
+  std::string name(const DocumentValue& object, const std::string& place) const {
+    const DocumentValue* value = object.find("name");
+    if (!value) return place;
+    if (value->kind != Kind::String) fail(place + ".name", "is not text");
+    return value->text;
+  }
+
+  double number(const DocumentValue& object, const std::string& place, const char* key,
+                double otherwise) const {
+    const DocumentValue* value = object.find(key);
+    if (!value) return otherwise;
+    if (value->kind != Kind::Number) fail(place + "." + key, "is not a number");
+    return value->number;
+  }
+
+  Vec3 vector(const DocumentValue& object, const std::string& place, const char* key) const {
+    const DocumentValue* value = object.find(key);
+    if (!value) fail(place, std::string("has no ") + key);
+    if (value->kind != Kind::Table || !value->flat || value->numbers.size() != 3) {
+      fail(place + "." + key, "is not a list of three numbers");
+    }
+    return {value->numbers[0], value->numbers[1], value->numbers[2]};
+  }
+
+  void addCurve(const DocumentValue& object, const std::string& place) {
+    checkKeys(object, place, {"name", "points", "speed", "speeds", "weight"});
+    GuideCurve curve;
+    curve.name = name(object, place);
+    curve.file = path_;
+    curve.weight = number(object, place, "weight", 1);
+    const DocumentValue* points = object.find("points");
+    if (!points) fail(place, "has no points");
+    if (points->kind != Kind::Table || points->flat) {
+      fail(place + ".points", "is not a list of [x, y, z]");
+    }
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < points->rowEnds.size(); ++k) {
+      const std::string at = place + ".points[" + std::to_string(k) + "]";
+      if (points->rowEnds[k] - first != 3) fail(at, "is not [x, y, z]");
+      curve.points.emplace_back(points->numbers[first], points->numbers[first + 1],
+                                points->numbers[first + 2]);
+      curve.places.push_back(at);
+      first = points->rowEnds[k];
+    }
+    if (const DocumentValue* speeds = object.find("speeds")) {
+      if (object.find("speed")) fail(place, "has both speed and speeds");
+      if (speeds->kind != Kind::Table || !speeds->flat) {
+        fail(place + ".speeds", "is not a list of numbers");
+      }
+      curve.speeds.assign(speeds->numbers.begin(), speeds->numbers.end());
+    } else {
+      curve.speeds = {number(object, place, "speed", speed_)};
+    }
+    guides_.curves.push_back(std::move(curve));
+  }
+
+  void addVector(const DocumentValue& object, const std::string& place) {
+    checkKeys(object, place, {"name", "point", "value", "weight"});
+    GuideVector result;
+    result.name = name(object, place);
+    result.point = vector(object, place, "point");
+    result.value = vector(object, place, "value");
+    result.weight = number(object, place, "weight", 1);
+    result.file = path_;
+    result.place = place;
+    guides_.vectors.push_back(std::move(result));
+  }
+
+  std::string path_;
+  double speed_;
+  Guides guides_;
+};
+
+}  // namespace
+
+Guides readGuides(const std::string& path, double speed) {
+  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  if (extension == ".obj") return ObjReader(path, speed).read();
+  if (extension == ".csv") return CsvReader(path, speed).read();
+  if (extension == ".json") return JsonReader(path, speed).read();
+  throw InputError(path, "", "guides are read from .obj, .csv and .json");
+}
+
+std::map<Index, double> readGivenFlux(const std::string& path, const ControlMesh& mesh) {
+  const DocumentValue document = readDocument(path);
+  const auto fail = [&](const std::string& place, const std::string& reason) {
+    throw InputError(path, place, reason);
+  };
+  if (document.kind != Kind::Object) fail("", "is not a JSON object");
+  const DocumentValue* simplices = document.find("simplices");
+  const DocumentValue* values = document.find("values");
+  if (!simplices || simplices->kind != Kind::Table || simplices->flat) {
+    fail("simplices", "is not a list of [a, b, c]");
+  }
+  if (!values || values->kind != Kind::Table || !values->flat) {
+    fail("values", "is not a list of numbers");
+  }
+  if (values->numbers.size() != simplices->rowEnds.size()) {
+    fail("values", std::to_string(values->numbers.size()) + " values for " +
+                       std::to_string(simplices->rowEnds.size()) + " simplices");
+  }
+  const Complex& c = *mesh.complex();
+  std::map<Index, double> result;
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < simplices->rowEnds.size(); ++k) {
+    const std::string place = "simplices[" + std::to_string(k) + "]";
+    std::array<Index, 3> v{};
+    if (simplices->rowEnds[k] - first != 3) fail(place, "is not [a, b, c]");
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = simplices->numbers[first + i];
+      if (!(x >= 0 && x < c.vertexCount()) || x != std::floor(x)) {
+        fail(place, "a vertex is out of range");
+      }
+      v[i] = static_cast<Index>(x);
+    }
+    first = simplices->rowEnds[k];
+    try {
+      const FacetRef facet = mesh.facet(v[0], v[1], v[2]);
+      if (!c.facetOnBoundary(facet.index())) fail(place, "is not on the boundary");
+      // The stored facet points out of the first of its cells.
+      const double outward = c.facetCells[facet.index()][0].exists() ? 1 : -1;
+      if (!result.emplace(facet.index(), facet.sign() * outward * values->numbers[k]).second) {
+        fail(place, "is listed twice");
+      }
+    } catch (const InputError& e) {
+      throw e.file().empty() ? InputError(path, place, e.reason()) : e;
+    }
+  }
+  return result;
+}
+
+}  // namespace octet

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sample_velocity.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include <octet/core/base/parallel.h>
+#include <octet/core/field/field.h>
+#include <octet/core/forms/coboundary.h>
+
+#include "../control_asset/refined_document.h"
+#include "composite_de_rham.h"
+
+namespace octet {
+namespace {
+
+/// The number that the last digits of a file's name make; none when there are none.
+std::optional<int> frameNumber(const std::string& path) {
+  const std::string stem = std::filesystem::path(path).stem().string();
+  std::size_t end = stem.size();
+  while (end > 0 && !std::isdigit(static_cast<unsigned char>(stem[end - 1]))) --end;
+  std::size_t begin = end;
+  while (begin > 0 && std::isdigit(static_cast<unsigned char>(stem[begin - 1]))) --begin;
+  constexpr std::size_t kMostDigits = 9;
+  if (begin == end || end - begin > kMostDigits) return std::nullopt;
+  return std::stoi(stem.substr(begin, end - begin));
+}
+
+/// Sums of |a|^2 over indices, the same at any number of threads.
+template <typename Of>
+double sumOfSquares(std::size_t count, const Of& of) {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<double> parts((count + kBlock - 1) / kBlock, 0.0);
+  parallelFor<std::size_t>(
+      parts.size(),
+      [&](std::size_t b) {
+        for (std::size_t k = b * kBlock; k < std::min(count, (b + 1) * kBlock); ++k) {
+          parts[b] += of(k);
+        }
+      },
+      1);
+  double sum = 0;
+  for (const double part : parts) sum += part;
+  return sum;
+}
+
+template <int K>
+class Sampler {
+ public:
+  Sampler(ControlAsset* asset, const SampleOptions& options)
+      : asset_(asset),
+        options_(options),
+        refiner_(asset->mesh, refinerOptions()),
+        limit_(refiner_) {
+    if (options_.closed) projection_.emplace(complex(), asset->mesh.positions(), fixed());
+  }
+
+  SampleReport run(const std::vector<std::string>& paths) {
+    SampleReport report;
+    Form form;
+    form.name = options_.name;
+    form.degree = K;
+    form.unit = "1/s";
+    for (Index k = 0; k < complex().count(K); ++k) form.simplices.push_back(k);
+    form.signs.assign(form.simplices.size(), 1);
+    const std::vector<std::optional<int>> numbers = frameNumbers(paths);
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+      reportProgress(options_.progress, {"sample", k, paths.size(), "files"});
+      const VelocitySource source(paths[k], options_.read);
+      SampledFrame frame = describe(paths[k], numbers[k], source);
+      const Cochain<K> coefficients = sample(source, &frame);
+      measure(source, coefficients, &frame);
+      std::vector<double> values(coefficients.values().begin(), coefficients.values().end());
+      if (numbers[k]) {
+        form.frames.emplace(*numbers[k], std::move(values));
+      } else {
+        form.values = std::move(values);
+      }
+      report.sourceBytes += frame.bytes;
+      report.frames.push_back(std::move(frame));
+    }
+    reportProgress(options_.progress, {"sample", paths.size(), paths.size(), "files"});
+    put(std::move(form));
+    return report;
+  }
+
+ private:
+  const Complex& complex() const { return *asset_->mesh.complex(); }
+
+  RefinerOptions refinerOptions() const {
+    RefinerOptions result;
+    result.levels = options_.levels;
+    result.zeta = options_.zeta;
+    result.progress = options_.progress;
+    return result;
+  }
+
+  std::vector<std::uint8_t> fixed() const {
+    return options_.boundary == BoundaryRule::Free ? std::vector<std::uint8_t>()
+                                                   : onBoundary<K>(complex());
+  }
+
+  /// None for a single file, which is not a sequence.
+  static std::vector<std::optional<int>> frameNumbers(const std::vector<std::string>& paths) {
+    std::vector<std::optional<int>> result;
+    if (paths.size() == 1) return {std::nullopt};
+    std::map<int, std::string> seen;
+    for (const std::string& path : paths) {
+      const auto number = frameNumber(path);
+      if (!number) throw InputError(path, "", "has no frame number in its name");
+      const auto [other, first] = seen.emplace(*number, path);
+      if (!first) {
+        throw InputError(
+            path, "", "has frame number " + std::to_string(*number) + ", as has " + other->second);
+      }
+      result.push_back(number);
+    }
+    return result;
+  }
+
+  static SampledFrame describe(const std::string& path, std::optional<int> number,
+                               const VelocitySource& source) {
+    SampledFrame frame;
+    frame.path = path;
+    frame.grid = source.gridName();
+    frame.frame = number;
+    frame.bytes = std::filesystem::file_size(path);
+    frame.staggered = source.staggered();
+    frame.voxelSize = source.voxelSize();
+    frame.activeVoxels = source.activeVoxels();
+    return frame;
+  }
+
+  double openness(const Cochain<K>& form) const {
+    const double largest = maxNorm(form.values());
+    return largest > 0 ? maxNorm(d(complex(), form).values()) / largest : 0;
+  }
+
+  Cochain<K> sample(const VelocitySource& source, SampledFrame* frame) const {
+    const CompositeDeRham map(complex(), asset_->mesh.positions(), source.voxelSize());
+    const auto at = [&](const Vec3& p) { return source.at(p); };
+    Cochain<K> form;
+    if constexpr (K == 1) {
+      form = map.edges(at);
+    } else {
+      form = map.facets(at);
+    }
+    frame->before = openness(form);
+    if (projection_) form = projection_->apply(form, options_.boundary == BoundaryRule::Zero);
+    frame->after = openness(form);
+    return form;
+  }
+
+  void measure(const VelocitySource& source, const Cochain<K>& form, SampledFrame* frame) const {
+    const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints);
+    const BoundaryMode mode = automaticMode(complex(), form);
+    const VectorField field = makeField(refiner_, limit_, refiner_.refine(form, mode), mode);
+    std::vector<Vec3> values(points.size());
+    std::vector<std::uint8_t> inside(points.size());
+    field.sample(points.data(), points.size(), values.data(), inside.data());
+    const std::size_t n = points.size();
+    const double count = sumOfSquares(n, [&](std::size_t k) { return inside[k] ? 1.0 : 0.0; });
+    frame->inside = count / static_cast<double>(n);
+    if (count == 0) {
+      throw InputError(frame->path, "grid " + frame->grid, "no voxel lies in the cage");
+    }
+    const auto sum = [&](const auto& of) {
+      return sumOfSquares(n, [&](std::size_t k) { return inside[k] ? of(k) : 0.0; });
+    };
+    const double speeds = sum([&](std::size_t k) { return source.at(points[k]).squaredNorm(); });
+    const double misses =
+        sum([&](std::size_t k) { return (values[k] - source.at(points[k])).squaredNorm(); });
+    const double divergences =
+        sum([&](std::size_t k) { return std::pow(source.divergenceAt(points[k]), 2); });
+    frame->speed = std::sqrt(speeds / count);
+    if (!(speeds > 0)) return;
+    frame->error = std::sqrt(misses / speeds);
+    frame->sourceDivergence = source.voxelSize() * std::sqrt(divergences / speeds);
+  }
+
+  void put(Form form) {
+    auto& forms = asset_->forms;
+    const auto same = std::find_if(forms.begin(), forms.end(),
+                                   [&](const Form& other) { return other.name == form.name; });
+    if (same == forms.end()) {
+      forms.push_back(std::move(form));
+    } else {
+      *same = std::move(form);
+    }
+  }
+
+  ControlAsset* asset_;
+  const SampleOptions& options_;
+  Refiner refiner_;
+  Limit limit_;
+  std::optional<ClosedProjection<K>> projection_;
+};
+
+}  // namespace
+
+SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>& paths,
+                            const SampleOptions& options) {
+  if (paths.empty()) throw InputError("", "there are no velocity files");
+  if (!std::isfinite(options.read.scale) || options.read.scale == 0) {
+    throw InputError("scale", "is not a number other than 0");
+  }
+  if (!(options.read.framesPerSecond > 0) || !std::isfinite(options.read.framesPerSecond)) {
+    throw InputError("frames per second", "is not a positive number");
+  }
+  if (options.degree == 1) return Sampler<1>(asset, options).run(paths);
+  if (options.degree == 2) return Sampler<2>(asset, options).run(paths);
+  throw InputError("degree", std::to_string(options.degree) + " is neither 1 nor 2");
+}
+
+}  // namespace octet
