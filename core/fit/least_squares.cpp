@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "least_squares.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/IterativeLinearSolvers>
 #include <limits>
 
 #include "../base/parallel.h"
+#include "dense_cholesky.h"
 
 namespace octet {
 namespace {
 
-constexpr Eigen::Index kMostDirect = 4000;
-constexpr double kIterativeTolerance = 1e-10;
+constexpr double kIterativeTolerance = 1e-9;
 constexpr int kMostIterations = 4000;
 
 /// A scaled pivot below this is rounding: that direction is not determined.
@@ -123,12 +122,10 @@ LeastSquaresSolution solveDirectly(const NormalEquations& equations) {
         equations.column(k, [&](Index i, double w) { column[i] += w; });
       },
       8);
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(matrix);
+  const DenseCholesky factors(std::move(matrix));
   LeastSquaresSolution solution;
-  const auto diagonal = matrix.diagonal();
-  solution.determined = factors.info() == Eigen::Success &&
-                        (equations.size() == 0 || diagonal.cwiseAbs2().minCoeff() > kSmallestPivot);
-  if (factors.info() != Eigen::Success) {
+  solution.determined = factors.succeeded() && factors.smallestPivot() > kSmallestPivot;
+  if (!factors.succeeded()) {
     solution.x = Vector::Zero(equations.size());
     solution.residual = 1;
     return solution;
@@ -196,8 +193,9 @@ LeastSquaresSolution solve(const LeastSquares& problem, const ProgressCallback& 
   const NormalEquations equations(problem);
   const std::size_t n = static_cast<std::size_t>(equations.size());
   reportProgress(progress, {"solve", 0, n, "unknowns"});
-  LeastSquaresSolution solution =
-      equations.size() <= kMostDirect ? solveDirectly(equations) : solveIteratively(equations);
+  LeastSquaresSolution solution = equations.size() <= problem.mostDirect
+                                      ? solveDirectly(equations)
+                                      : solveIteratively(equations);
   reportProgress(progress, {"solve", n, n, "unknowns"});
   return solution;
 }

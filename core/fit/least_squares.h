@@ -15,7 +15,8 @@ struct LeastSquares {
   std::vector<SparseRow> rows;  ///< over the unknowns
   std::vector<double> weights, rights;
   const Eigen::SparseMatrix<double>* energy = nullptr;  ///< E
-  Eigen::VectorXd energyPull;  ///< adds -2 energyPull' x to the cost; empty: 0
+  Eigen::Index mostDirect = 7000;  ///< unknowns that are factorised; they take half a gigabyte
+  Eigen::VectorXd energyPull;      ///< adds -2 energyPull' x to the cost; empty: 0
 };
 
 struct LeastSquaresSolution {
@@ -27,8 +28,8 @@ struct LeastSquaresSolution {
 };
 
 /// @brief Solves it. Influences reach over many cells, so that normal equations fill almost
-/// completely when factorised: up to `kMostDirect` unknowns by dense Cholesky factorisation, beyond
-/// by conjugate gradients with an incomplete factorisation, to a residual of 1e-10. Both with
+/// completely when factorised: up to `mostDirect` unknowns by dense Cholesky factorisation, beyond
+/// by conjugate gradients with an incomplete factorisation, to a residual of 1e-9. Both with
 /// iterative refinement on the original rows. Deterministic at any number of threads.
 /// @throws Cancelled
 LeastSquaresSolution solve(const LeastSquares& problem, const ProgressCallback& progress = {});

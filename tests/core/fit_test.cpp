@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fields fitted to guides: what they follow, and what holds exactly.
+#include <Eigen/Cholesky>
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <octet/core/field/field.h>
 #include <octet/core/fit/fit.h>
+#include <octet/core/fit/least_squares.h>
 #include <octet/core/fit/smoothness.h>
 #include <octet/core/fit/wall_potential.h>
 #include <octet/core/forms/coboundary.h>
@@ -381,6 +384,43 @@ TEST(WallPotential, HasGivenFluxWhateverTheUnknowns) {
     EXPECT_EQ(check(), closed) << kind.name;
     for (Index f = 0; f < c.facetCount(); f += 3) flux[f].reset();
     EXPECT_GT(check(), closed) << kind.name;
+  }
+}
+
+/// Direct and iterative solutions against Eigen's, over several blocks of the factorisation.
+TEST(LeastSquares, BothSolversFindTheMinimum) {
+  constexpr Index kUnknowns = 300, kRows = 500;
+  const auto r = testing::randomValues(7 * kRows, 12);
+  LeastSquares problem;
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(kRows, kUnknowns);
+  Eigen::VectorXd right(kRows), weights(kRows);
+  for (Index k = 0; k < kRows; ++k) {
+    RowSum sum(kUnknowns);
+    for (Index j = 0; j < 5; ++j) sum.add((k * 7 + j * j * 11) % kUnknowns, r[7 * k + j]);
+    problem.rows.push_back(sum.take());
+    for (std::size_t j = 0; j < problem.rows.back().size(); ++j) {
+      dense(k, problem.rows.back().index[j]) = problem.rows.back().weight[j];
+    }
+    right[k] = r[7 * k + 5];
+    weights[k] = 1.5 + r[7 * k + 6];
+    problem.rights.push_back(right[k]);
+    problem.weights.push_back(weights[k]);
+  }
+  Eigen::SparseMatrix<double> energy(kUnknowns, kUnknowns);
+  energy.setIdentity();
+  energy *= 1e-3;
+  problem.energy = &energy;
+  problem.energyPull = Eigen::VectorXd::Constant(kUnknowns, 1e-2);
+  const Eigen::MatrixXd normal =
+      dense.transpose() * weights.asDiagonal() * dense + Eigen::MatrixXd(energy);
+  const Eigen::VectorXd want =
+      normal.ldlt().solve(dense.transpose() * weights.cwiseProduct(right) + problem.energyPull);
+  for (const Eigen::Index mostDirect : {kUnknowns, 0}) {
+    problem.mostDirect = mostDirect;
+    const LeastSquaresSolution solution = solve(problem);
+    EXPECT_EQ(solution.direct, mostDirect > 0);
+    EXPECT_TRUE(solution.determined);
+    EXPECT_LT((solution.x - want).norm(), 1e-7 * want.norm()) << mostDirect;
   }
 }
 
