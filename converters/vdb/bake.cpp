@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include <unistd.h>
+
 #include <octet/core/base/parallel.h>
 #include <octet/core/field/vertex_field.h>
 #include <octet/core/forms/coboundary.h>
@@ -16,8 +18,8 @@ namespace {
 
 /// Automatic levels refine until the mean fine edge is at most this many voxels.
 constexpr double kVoxelsPerEdge = 2;
-/// More cells than this are refused, for memory: 600 bytes each.
-constexpr double kMostCells = 2e8;
+/// What a cell of the finest level takes in memory, at most (tests/bench/memory.cpp).
+constexpr double kBytesPerCell = 600;
 
 /// Sums of coefficients this small, relative to the largest, are rounding.
 constexpr double kCancelled = 1e-14;
@@ -26,6 +28,12 @@ double meanEdge(const Complex& complex, const Array<Vec3>& positions) {
   double sum = 0;
   for (const auto& [a, b] : complex.edges) sum += (positions[b] - positions[a]).norm();
   return complex.edges.empty() ? 0 : sum / static_cast<double>(complex.edges.size());
+}
+
+/// The machine's memory in bytes. Beyond it the system would end the program, or others.
+double machineMemory() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
+  return pages > 0 && size > 0 ? static_cast<double>(pages) * static_cast<double>(size) : HUGE_VAL;
 }
 
 /// Positions and values of pieces turned on the way.
@@ -178,13 +186,16 @@ class Baker {
         ++report_.levels;
       }
     }
-    if (cellsAt(report_.levels) > kMostCells) {
-      throw InputError(
-          "levels", std::to_string(report_.levels) + " would make about " +
-                        std::to_string(static_cast<std::int64_t>(cellsAt(report_.levels) / 1e6)) +
-                        " million cells, more than " +
-                        std::to_string(static_cast<int>(kMostCells / 1e6)) +
-                        " million; give fewer --levels or larger voxels");
+    const double needed = kBytesPerCell * cellsAt(report_.levels), there = machineMemory();
+    if (needed > there) {
+      const auto inUnits = [](double x, double unit) {
+        return std::to_string(static_cast<std::int64_t>(std::llround(x / unit)));
+      };
+      throw InputError("levels", std::to_string(report_.levels) + " would make about " +
+                                     inUnits(cellsAt(report_.levels), 1e6) +
+                                     " million cells, which need up to " + inUnits(needed, 1e9) +
+                                     " GB of memory; this machine has " + inUnits(there, 1e9) +
+                                     " GB; give fewer --levels or larger voxels");
     }
     frame_.voxelSize = report_.voxelSize;
   }

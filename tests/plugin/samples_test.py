@@ -134,6 +134,14 @@ class Samples(unittest.TestCase):
                     self.assertIsNotNone(at, f"not printed, or not in this order: {line}\nbut:\n"
                                          + "\n".join(output))
 
+    def test_what_does_not_fit_in_memory_is_refused(self):
+        out = os.path.join(self.folder.name, "box.vdb")
+        bake = subprocess.run([OCTETVDB, "bake", f"{SAMPLES}/box/box.octet.json", "-o", out,
+                               "--resolution", "50000"], capture_output=True, text=True)
+        self.assertEqual(bake.returncode, 2, bake.stderr)
+        self.assertRegex(bake.stderr, r"levels: \d+ would make .* memory; this machine has \d+ GB")
+        self.assertEqual(os.listdir(self.folder.name), [])
+
 
 if __name__ == "__main__":
     unittest.main()
