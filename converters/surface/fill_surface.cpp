@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fill_surface.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <octet/core/base/error.h>
 #include <octet/core/cage/box_cage.h>
@@ -63,6 +65,81 @@ void checkSpacing(const TriangleSurface& surface, double spacing) {
   }
 }
 
+/// @brief Fills and fits, and again without those interior vertices at which boundary vertices
+/// could not reach the surface: lattice vertices just deep enough, mostly, below a crowd of others.
+class Fitting {
+ public:
+  Fitting(const TriangleSurface& surface, const SignedDistance& distance,
+          const LatticeFillOptions& lattice, const FillOptions& options)
+      : bounds_(surface.bounds()),
+        closest_(surface),
+        distance_(distance),
+        lattice_(lattice),
+        fit_(options.fit) {
+    fit_.progress = options.progress;
+  }
+
+  ControlMesh run(FillReport* report) {
+    for (int attempt = 0;; ++attempt) {
+      ControlMeshInput input = fillLattice(bounds_, distanceWithout(), lattice_, &report->lattice);
+      const ControlMesh filled = ControlMesh::build(input);
+      input.vertices = fitBoundary(
+          filled, [&](const Vec3& p) { return closest_.find(p).position; }, fit_,
+          &report->fit.emplace());
+      const auto& off = report->fit->offSurface;
+      if (off.empty() || attempt == kAttempts || !dropShallowest(filled, off)) {
+        return ControlMesh::build(std::move(input));
+      }
+    }
+  }
+
+ private:
+  static constexpr int kAttempts = 3;
+  /// Interior vertices this much deeper than the threshold, in spacings, are kept.
+  static constexpr double kSpare = 0.5;
+  static constexpr std::size_t kMostDropped = 1000;
+
+  /// The distance, but positive at lattice vertices that have been dropped.
+  SignedDistance distanceWithout() const {
+    return [this](const Vec3& p) {
+      const double d = distance_(p);
+      for (const Vec3& q : dropped_) {
+        if ((p - q).norm() < lattice_.spacing / 4) return std::max(d, lattice_.spacing / 4);
+      }
+      return d;
+    };
+  }
+
+  /// Drops the shallowest interior vertex around each of some boundary vertices; false when none is
+  /// near enough to the threshold to be spared.
+  bool dropShallowest(const ControlMesh& mesh, const std::vector<Index>& around) {
+    const Complex& c = *mesh.complex();
+    const std::size_t before = dropped_.size();
+    for (const Index v : around) {
+      std::optional<Vec3> shallowest;
+      c.visitVertexStar(v, [&](const CellAtVertex& at) {
+        for (int i = 0; i < c.cellVertexCount(at.cell); ++i) {
+          const Index u = c.cellVertex(at.cell, i);
+          if (c.vertexOnBoundary(u)) continue;
+          const Vec3& p = mesh.positions()[u];
+          if (!shallowest || distance_(p) > distance_(*shallowest)) shallowest = p;
+        }
+      });
+      if (shallowest && -distance_(*shallowest) < (lattice_.depth + kSpare) * lattice_.spacing) {
+        dropped_.push_back(*shallowest);
+      }
+    }
+    return dropped_.size() > before && dropped_.size() <= kMostDropped;
+  }
+
+  Box bounds_;
+  ClosestPoints closest_;
+  const SignedDistance& distance_;
+  const LatticeFillOptions& lattice_;
+  BoundaryFitOptions fit_;
+  std::vector<Vec3> dropped_;
+};
+
 }  // namespace
 
 ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& options,
@@ -79,17 +156,11 @@ ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& optio
   lattice.spacing = options.spacing;
   lattice.depth = options.depth;
   lattice.progress = options.progress;
-  ControlMeshInput input =
-      fillLattice(surface.bounds(), distanceTo(layers, options.spacing), lattice, &done.lattice);
-  ControlMesh mesh = ControlMesh::build(input);
-  if (options.fitBoundary) {
-    const ClosestPoints closest(surface);
-    BoundaryFitOptions fit = options.fit;
-    fit.progress = options.progress;
-    input.vertices = fitBoundary(
-        mesh, [&](const Vec3& p) { return closest.find(p).position; }, fit, &done.fit.emplace());
-    mesh = ControlMesh::build(std::move(input));
-  }
+  const SignedDistance distance = distanceTo(layers, options.spacing);
+  ControlMesh mesh =
+      options.fitBoundary
+          ? Fitting(surface, distance, lattice, options).run(&done)
+          : ControlMesh::build(fillLattice(surface.bounds(), distance, lattice, &done.lattice));
   if (report) *report = done;
   return mesh;
 }

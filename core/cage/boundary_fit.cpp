@@ -18,6 +18,11 @@ constexpr int kHalvings = 5;
 /// A push towards the surface may not distort the cells at a vertex beyond this, per corner on
 /// average; sliding then makes room.
 constexpr double kMostDistorted = 40;
+/// Least cosine between the normals of neighbouring boundary facets; in a filled lattice they have
+/// -1/3. Positive cells can still wrap around an edge by more than a full turn.
+constexpr double kMostFolded = -0.7;
+/// A vertex rests while neither it nor one it shares a cell with moves farther, in mean edges.
+constexpr double kRest = 1e-3;
 
 class Fitter {
  public:
@@ -28,8 +33,10 @@ class Fitter {
       throw InputError("fit", "rounds or least volume out of range");
     }
     measureCells();
+    joinFacets();
     chooseMovable();
     colour();
+    awake_.assign(c_.vertexCount(), 1);
   }
 
   Array<Vec3> run(BoundaryFitReport* report) {
@@ -40,8 +47,13 @@ class Fitter {
                                          static_cast<std::size_t>(options_.rounds), "rounds"});
       for (const std::vector<Index>& group : groups_) {
         parallelFor<std::size_t>(
-            group.size(), [&](std::size_t k) { move(group[k]); }, 64);
+            group.size(),
+            [&](std::size_t k) {
+              if (awake_[group[k]]) move(group[k]);
+            },
+            64);
       }
+      if (!wake()) break;
     }
     vertexDistances(&r.meanAfter, &r.maxAfter, &r.offSurface);
     facetDistances(&r);
@@ -68,6 +80,27 @@ class Fitter {
 
   /// Average of six times the volume of a corner of a cell of its kind, before.
   double reference(Index cell) const { return c_.isTet(cell) ? tetCorner_ : octCorner_; }
+
+  /// The two boundary facets of each boundary edge, and the boundary facets of each vertex.
+  void joinFacets() {
+    edgeFacets_.assign(c_.edgeCount(), {kNone, kNone});
+    facetBegin_.assign(c_.vertexCount() + 1, 0);
+    std::vector<std::array<Index, 2>> pairs;
+    for (Index f = 0; f < c_.facetCount(); ++f) {
+      if (!c_.facetOnBoundary(f)) continue;
+      for (const EdgeRef& e : c_.facetEdges[f]) {
+        auto& pair = edgeFacets_[e.index()];
+        pair[pair[0] == kNone ? 0 : 1] = f;
+      }
+      for (const Index v : c_.facetVertices(f)) pairs.push_back({v, f});
+    }
+    std::sort(pairs.begin(), pairs.end());
+    for (const auto& [v, f] : pairs) {
+      ++facetBegin_[v + 1];
+      vertexFacets_.push_back(f);
+    }
+    for (Index v = 0; v < c_.vertexCount(); ++v) facetBegin_[v + 1] += facetBegin_[v];
+  }
 
   /// Layers of vertices below the boundary, layer 0.
   void chooseMovable() {
@@ -138,13 +171,48 @@ class Fitter {
       s.gradient += shape.gradient;
       s.corners += c_.isTet(at.cell) ? 1 : 8;
     });
+    if (folded(v)) s.distortion = HUGE_VAL;
     return s;
   }
 
+  Vec3 outwardNormal(Index f) const {
+    const auto [a, b, c] = c_.facetVertices(f);
+    const Vec3 normal = (x_[b] - x_[a]).cross(x_[c] - x_[a]).normalized();
+    return c_.facetCells[f][0].exists() ? normal : Vec3(-normal);
+  }
+
+  /// Is the boundary folded at an edge of the facets at a vertex?
+  bool folded(Index v) const {
+    for (Index k = facetBegin_[v]; k < facetBegin_[v + 1]; ++k) {
+      const Index f = vertexFacets_[k];
+      const Vec3 normal = outwardNormal(f);
+      for (const EdgeRef& e : c_.facetEdges[f]) {
+        const auto& [g, h] = edgeFacets_[e.index()];
+        if (normal.dot(outwardNormal(g == f ? h : g)) < kMostFolded) return true;
+      }
+    }
+    return false;
+  }
+
   void move(Index v) {
+    const Vec3 before = x_[v];
     const bool onBoundary = c_.vertexOnBoundary(v);
     const bool onSurface = onBoundary && push(v);
     slide(v, onBoundary, onSurface);
+    awake_[v] = (x_[v] - before).norm() > kRest * edge_ || (onBoundary && !onSurface) ? 2 : 1;
+  }
+
+  /// Wakes the vertices that moved in this round and those around them; false when all rest.
+  bool wake() {
+    std::vector<std::uint8_t> next(awake_.size(), 0);
+    bool any = false;
+    for (const Index v : movable_) {
+      if (awake_[v] != 2) continue;
+      any = true;
+      visitNeighbours(v, [&](Index u) { next[u] = 1; });
+    }
+    awake_ = std::move(next);
+    return any;
   }
 
   /// As far towards the surface as the cells allow; is the vertex there then?
@@ -187,7 +255,7 @@ class Fitter {
 
   // ---- distances --------------------------------------------------------------------------------
 
-  void vertexDistances(double* mean, double* max, Index* off) const {
+  void vertexDistances(double* mean, double* max, std::vector<Index>* off) const {
     std::vector<double> distances(c_.vertexCount(), -1);
     parallelFor<Index>(
         c_.vertexCount(),
@@ -197,7 +265,9 @@ class Fitter {
         64);
     summarise(distances, mean, max);
     if (!off) return;
-    for (const double d : distances) *off += d > kOnSurface * edge_;
+    for (Index v = 0; v < c_.vertexCount(); ++v) {
+      if (distances[v] > kOnSurface * edge_) off->push_back(v);
+    }
   }
 
   void facetDistances(BoundaryFitReport* report) const {
@@ -233,6 +303,9 @@ class Fitter {
   double edge_ = 0, tetCorner_ = 0, octCorner_ = 0;
   std::vector<Index> movable_;
   std::vector<std::vector<Index>> groups_;
+  std::vector<std::array<Index, 2>> edgeFacets_;
+  std::vector<Index> facetBegin_, vertexFacets_;
+  std::vector<std::uint8_t> awake_;  // 2: moved in this round
 };
 
 }  // namespace

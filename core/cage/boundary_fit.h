@@ -24,7 +24,7 @@ struct BoundaryFitReport {
   double meanBefore = 0, maxBefore = 0;
   double meanAfter = 0, maxAfter = 0;
   double meanFacet = 0, maxFacet = 0;  ///< after; what flat facets leave of a curved surface
-  Index offSurface = 0;                ///< vertices left farther than a thousandth of the mean edge
+  std::vector<Index> offSurface;       ///< vertices left farther than a thousandth of the mean edge
   double minVolume = 0;                ///< least volume of a corner, relative to the average before
 };
 

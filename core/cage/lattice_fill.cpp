@@ -14,9 +14,11 @@ namespace {
 
 /// Stars reach two lattice units beyond an interior vertex; one more keeps look-ups in range.
 constexpr int kMargin = 3;
-/// To make the boundary a manifold, vertices this near to the threshold may become interior ones.
-constexpr double kAddWithin = 0.75;
-/// Rounds of trading one interior vertex for fewer bad places, before vertices are only dropped.
+/// Vertices this near to the threshold, in spacings, may change for a better boundary.
+constexpr double kChangeWithin = 0.75;
+/// How many other faults of the boundary a place counts for at which the solid touches itself.
+constexpr int kTouching = 6;
+/// Rounds of changing one interior vertex for fewer faults, before vertices are only dropped.
 constexpr int kRounds = 20;
 
 /// Integer points of a box, numbered with z fastest.
@@ -138,18 +140,38 @@ class Filler {
     return false;
   }
 
-  bool bad(const Int3& vertex) const {
-    if (interior(vertex)) return false;
+  std::uint16_t cellsAt(const Int3& vertex) const {
     std::uint16_t cells = 0;
     for (int c = 0; c < StarPatterns::kCells; ++c) {
       if (cellAt(vertex, c)) cells |= static_cast<std::uint16_t>(1u << c);
     }
-    return !patterns_.manifold(cells);
+    return cells;
   }
 
-  int badAround(const Int3& vertex) const {
-    int n = bad(vertex);
-    for (const Int3& q : patterns_.around()) n += bad(plus(vertex, q));
+  bool touchesItself(const Int3& vertex) const {
+    return !interior(vertex) && !patterns_.manifold(cellsAt(vertex));
+  }
+
+  /// What is wrong at a boundary vertex: that the solid touches itself, or edges and facets through
+  /// the inside all of whose vertices are on the boundary. On a smooth surface there is no room for
+  /// the cells on both sides of these.
+  int faults(const Int3& vertex) const {
+    if (interior(vertex)) return 0;
+    const std::uint16_t cells = cellsAt(vertex);
+    if (!patterns_.manifold(cells)) return kTouching;
+    if (cells == 0) return 0;
+    int n = 0;
+    for (const StarPatterns::Joint& joint : patterns_.joints()) {
+      n += (cells & joint.cells) == joint.cells &&
+           std::none_of(joint.vertices.begin(), joint.vertices.end(),
+                        [&](int v) { return interior(plus(vertex, patterns_.around()[v])); });
+    }
+    return n;
+  }
+
+  int faultsAround(const Int3& vertex) const {
+    int n = faults(vertex);
+    for (const Int3& q : patterns_.around()) n += faults(plus(vertex, q));
     return n;
   }
 
@@ -168,8 +190,8 @@ class Filler {
     return true;
   }
 
-  /// Changes the one interior vertex that leaves the fewest bad places around; false when none
-  /// leaves fewer than now.
+  /// Changes the one interior vertex that leaves the fewest faults around; false when none leaves
+  /// fewer than now.
   bool improve(const Int3& vertex) {
     std::vector<Int3> candidates = {vertex};
     for (const Int3& q : patterns_.around()) candidates.push_back(plus(vertex, q));
@@ -178,10 +200,10 @@ class Filler {
     const Int3* best = nullptr;
     for (const Int3& p : candidates) {
       const double c = cost(p);
-      if (!withinMargin(p) || (!interior(p) && c > kAddWithin)) continue;
-      const int before = badAround(p);
+      if (!withinMargin(p) || c > kChangeWithin) continue;
+      const int before = faultsAround(p);
       toggle(p);
-      const int gain = before - badAround(p);
+      const int gain = before - faultsAround(p);
       toggle(p);
       if (gain > bestGain || (gain == bestGain && gain > 0 && c < bestCost)) {
         bestGain = gain;
@@ -206,13 +228,15 @@ class Filler {
     ++report_.dropped;
   }
 
-  std::vector<Int3> badVertices() const {
+  /// Boundary vertices for which `is` holds, in order.
+  template <typename Is>
+  std::vector<Int3> boundaryVertices(const Is& is) const {
     std::vector<std::vector<Int3>> slices(box_.size[0]);
     parallelFor<int>(
         box_.size[0] - 2,
         [&](int i) {
           box_.visitSlice(i + 1, 1, [&](const Int3& p) {
-            if (even(p) && nearInterior(p) && bad(p)) slices[i + 1].push_back(p);
+            if (even(p) && nearInterior(p) && is(p)) slices[i + 1].push_back(p);
           });
         },
         1);
@@ -221,7 +245,7 @@ class Filler {
     return all;
   }
 
-  /// Quick no for most points: all bad vertices have an interior vertex around them.
+  /// Boundary vertices have an interior vertex around them.
   bool nearInterior(const Int3& p) const {
     for (int k = 0; k < 3; ++k) {
       const int at = p[k] - box_.low[k];
@@ -232,18 +256,19 @@ class Filler {
   }
 
   void makeManifold() {
-    std::vector<Int3> list = badVertices();
-    for (int round = 0; round < kRounds && !list.empty(); ++round) {
+    const auto faulty = [&](const Int3& p) { return faults(p) > 0; };
+    for (int round = 0; round < kRounds; ++round) {
       bool better = false;
-      for (const Int3& p : list) {
-        if (bad(p) && improve(p)) better = true;
+      for (const Int3& p : boundaryVertices(faulty)) {
+        if (faulty(p) && improve(p)) better = true;
       }
-      list = badVertices();
       if (!better) break;
     }
-    for (; !list.empty(); list = badVertices()) {
+    // Dropping ends for certain.
+    const auto touching = [&](const Int3& p) { return touchesItself(p); };
+    for (auto list = boundaryVertices(touching); !list.empty(); list = boundaryVertices(touching)) {
       for (const Int3& p : list) {
-        if (bad(p)) dropShallowest(p);
+        if (touching(p)) dropShallowest(p);
       }
     }
   }

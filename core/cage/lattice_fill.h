@@ -25,7 +25,7 @@ struct LatticeFillOptions {
 struct LatticeFillReport {
   Index interiorVertices = 0;    ///< all of type R
   Index components = 0;          ///< parts of the cage that share no facet
-  Index added = 0, dropped = 0;  ///< interior vertices changed to make the boundary a manifold
+  Index added = 0, dropped = 0;  ///< interior vertices changed for a better boundary
 };
 
 /// @brief Fills a body with the regular face-centred cubic lattice of tetrahedra and octahedra.

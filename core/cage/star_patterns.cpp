@@ -78,6 +78,7 @@ StarPatterns::StarPatterns() {
       if (std::find(around_.begin(), around_.end(), p) == around_.end()) around_.push_back(p);
     }
   }
+  findJoints();
 
   const auto neighbours = neighbourMasks();
   const auto edges = edgeStars();
@@ -93,6 +94,30 @@ StarPatterns::StarPatterns() {
                           const std::uint16_t here = in & (e.octs | e.tets);
                           return here == e.octs || here == e.tets;
                         }));
+  }
+}
+
+void StarPatterns::findJoints() {
+  const auto add = [&](const std::vector<int>& vertices) {
+    Joint joint{vertices, 0};
+    for (int c = 0; c < kCells; ++c) {
+      const auto& list = vertices_[c];
+      const bool all = std::all_of(vertices.begin(), vertices.end(), [&](int v) {
+        return std::find(list.begin(), list.end(), around_[v]) != list.end();
+      });
+      if (all) joint.cells |= static_cast<std::uint16_t>(1u << c);
+    }
+    joints_.push_back(joint);
+  };
+  constexpr int kNeighbours = 12;
+  for (int v = 0; v < kNeighbours; ++v) add({v});
+  for (int v = 0; v < kNeighbours; ++v) {
+    for (int w = v + 1; w < kNeighbours; ++w) {
+      int square = 0;
+      for (int k = 0; k < 3; ++k)
+        square += (around_[v][k] - around_[w][k]) * (around_[v][k] - around_[w][k]);
+      if (square == 2) add({v, w});  // neighbours of each other
+    }
   }
 }
 

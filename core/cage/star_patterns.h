@@ -27,9 +27,20 @@ class StarPatterns {
   /// All of them: 12 neighbours, then 6 across octahedra.
   const std::vector<Int3>& around() const { return around_; }
 
+  /// An edge or facet at the vertex: its other vertices among `around`, and the cells at it.
+  struct Joint {
+    std::vector<int> vertices;
+    std::uint16_t cells;
+  };
+  /// 12 edges, then 24 facets.
+  const std::vector<Joint>& joints() const { return joints_; }
+
  private:
+  void findJoints();
+
   std::vector<Int3> vertices_[kCells], around_;
   std::vector<bool> manifold_;
+  std::vector<Joint> joints_;
 };
 
 }  // namespace octet

@@ -38,10 +38,14 @@ Json fillBox(const Arguments& arguments, ControlMesh* mesh) {
 }
 
 Json toJson(const BoundaryFitReport& fit) {
-  return {{"mean_distance_before", fit.meanBefore}, {"max_distance_before", fit.maxBefore},
-          {"mean_distance", fit.meanAfter},         {"max_distance", fit.maxAfter},
-          {"vertices_off_surface", fit.offSurface}, {"mean_facet_distance", fit.meanFacet},
-          {"max_facet_distance", fit.maxFacet},     {"smallest_corner_volume", fit.minVolume}};
+  return {{"mean_distance_before", fit.meanBefore},
+          {"max_distance_before", fit.maxBefore},
+          {"mean_distance", fit.meanAfter},
+          {"max_distance", fit.maxAfter},
+          {"vertices_off_surface", fit.offSurface.size()},
+          {"mean_facet_distance", fit.meanFacet},
+          {"max_facet_distance", fit.maxFacet},
+          {"smallest_corner_volume", fit.minVolume}};
 }
 
 Json fillInput(const Arguments& arguments, ControlMesh* mesh) {
@@ -117,6 +121,9 @@ void addFill(CLI::App* program) {
       ->capture_default_str();
   command->add_flag("--fit-boundary", arguments->fill.fitBoundary,
                     "Move boundary vertices onto the surface, inverting no cell");
+  command->add_option("--fit-rounds", arguments->fill.fit.rounds, "Sweeps of --fit-boundary")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
   command->add_flag("--allow-self-intersections", arguments->fill.allowIntersections,
                     "Fill what a surface that intersects itself encloses, instead of refusing it");
   command->add_option("--grid", arguments->read.grid,
