@@ -10,6 +10,7 @@
 #include <octet/core/base/parallel.h>
 #include <octet/core/field/vertex_field.h>
 #include <octet/core/forms/coboundary.h>
+#include <octet/core/geometry/domain_box.h>
 
 #include "velocity_plan.h"
 
@@ -163,8 +164,7 @@ class Baker {
     coarse.zeta = options_.zeta;
     const Refiner refiner(asset_.mesh, coarse);
     const Limit limit(refiner);
-    Box box;
-    for (const Vec3& p : limit.positions()) box.extend(p);
+    const Box box = domainBox(refiner.finest(), limit.positions());
     if (bySize) {
       if (!(options_.voxelSize > 0) || !std::isfinite(options_.voxelSize)) {
         throw InputError("voxel size", "is not a positive number");

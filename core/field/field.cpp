@@ -2,6 +2,7 @@
 #include "field.h"
 
 #include "../base/parallel.h"
+#include "../geometry/domain_box.h"
 #include "vertex_field.h"
 #include "whitney.h"
 
@@ -19,7 +20,7 @@ Array<Piece<1>::Value> asComponents(const Array<double>& values) {
 
 template <int C>
 Field<C>::Field(std::shared_ptr<const PieceSource<C>> source) : state_(std::make_shared<State>()) {
-  for (const Vec3& p : source->positions()) state_->bounds.extend(p);
+  state_->bounds = domainBox(source->complex(), source->positions());
   state_->source = std::move(source);
 }
 

@@ -7,6 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "../base/parallel.h"
+#include "../geometry/domain_box.h"
 #include "block_bins.h"
 
 namespace octet {
@@ -263,8 +264,7 @@ void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sa
     }
     return tiles;
   };
-  Box bounds;
-  for (const Vec3& p : source.positions()) bounds.extend(p);
+  const Box bounds = domainBox(source.complex(), source.positions());
   if (bounds.empty()) return;
   const IndexBox all = tilesOfBox(bounds);
   if (all.empty()) return;

@@ -346,8 +346,10 @@ class Builder {
                                     std::to_string(c_.vertexCount()) + " vertices");
       }
       if (!c_.vertexOnBoundary(v)) {
+        const bool used = c_.vertexStarBegin[v] < c_.vertexStarBegin[v + 1];
         throw InputError(place, "vertex " + std::to_string(v) +
-                                    " is inside the mesh; corners belong to its boundary");
+                                    (used ? " is inside the mesh; corners belong to its boundary"
+                                          : " belongs to no cell"));
       }
     }
     corners_ = std::move(in_.corners);

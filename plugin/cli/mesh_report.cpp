@@ -6,7 +6,7 @@
 #include <map>
 
 #include <octet/core/cage/quality.h>
-#include <octet/core/geometry/box_bins.h>
+#include <octet/core/geometry/domain_box.h>
 #include <octet/core/topology/boundary.h>
 
 #include "console.h"
@@ -61,8 +61,7 @@ Json describeMesh(const ControlMesh& mesh) {
   for (Index cell = 0; cell < c.cellCount(); ++cell) {
     volume += std::abs(cellVolume6(c, mesh.positions(), cell)) / 6;
   }
-  Box box;
-  for (const Vec3& p : mesh.positions()) box.extend(p);
+  const Box box = domainBox(c, mesh.positions());
   Json result = {{"vertices", c.vertexCount()},
                  {"edges", c.edgeCount()},
                  {"facets", c.facetCount()},

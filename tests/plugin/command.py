@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of the real command share: running it, and folders that must stay empty."""
+import concurrent.futures
+import os
+import subprocess
+import sys
+import tempfile
+
+DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "data")
+SAMPLES = os.path.join(DATA, "..", "..", "samples")
+PREFIX = "octetvdb: "
+TIME_LIMIT = 300  # seconds; a hang is a failure
+
+
+class Command:
+    """The octetvdb under test."""
+
+    def __init__(self, path):
+        self.path = os.path.abspath(path)
+
+    def run(self, *arguments, **options):
+        options = {"capture_output": True, "text": True, "errors": "replace",
+                   "timeout": TIME_LIMIT, "stdin": subprocess.DEVNULL, **options}
+        return subprocess.run([self.path, *map(str, arguments)], **options)
+
+    def start(self, *arguments, **options):
+        options = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
+                   "stderr": subprocess.PIPE, "text": True, **options}
+        return subprocess.Popen([self.path, *map(str, arguments)], **options)
+
+    @property
+    def sanitized(self):
+        """Built with AddressSanitizer: slower, and memory cannot be limited."""
+        with open(self.path, "rb") as file:
+            return b"__asan_init" in file.read()
+
+
+def from_arguments():
+    """The command that the first argument names, taken off for unittest."""
+    return Command(sys.argv.pop(1))
+
+
+def in_parallel(function, items):
+    """[function(item), ...] on all processors; the work is done in other processes."""
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(function, items))
+
+
+def temporary_folder():
+    return tempfile.TemporaryDirectory(prefix="octetvdb-test-")
+
+
+def complaint(result):
+    """Why the answer to bad input is not what it has to be; None when it is: exit code 2, nothing on
+    stdout and one line on stderr."""
+    if result.returncode != 2:
+        return f"exit code {result.returncode}: {result.stderr[-2000:]}"
+    if result.stdout:
+        return f"wrote to stdout: {result.stdout[:200]}"
+    if not result.stderr.startswith(PREFIX) or result.stderr.count("\n") != 1:
+        return f"not one line that begins with {PREFIX!r}: {result.stderr[-2000:]}"
+    return None

@@ -1,0 +1,218 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input: exit code 2, one line with file, place and reason, nothing written, no crash.
+
+Arguments: the octetvdb command, release or built with sanitizers (which end it with another exit code
+when they find something). The corpus is tests/data/malformed, and the answers to it answers.txt there,
+written by `malformed_test.py OCTETVDB --write-answers` and then read by a person.
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import command
+
+OCTETVDB = command.from_arguments()
+CORPUS = os.path.join(command.DATA, "malformed")
+ANSWERS = os.path.join(CORPUS, "answers.txt")
+GIGABYTE = 1 << 30
+
+
+def corpus():
+    return sorted(f for f in os.listdir(CORPUS) if ".octet" in f)
+
+
+def answer(stderr, path):
+    """The line without the command's and the file's name; what depends on the parser's version and
+    on rounding is left out."""
+    start = f"{command.PREFIX}{path}: "
+    if not stderr.startswith(start):
+        return f"does not begin with the file: {stderr}"
+    text = stderr[len(start):].rstrip("\n")
+    text = re.sub(r"^(line \d+, column \d+): .*", r"\1: *", text)
+    return re.sub(r"-?\d(\.\d+)?e-\d+", "#", text)
+
+
+def usual_commands(path, folder):
+    """Each of the commands on a bad input, with an output in `folder`."""
+    return [("info", path),
+            ("bake", path, "-o", os.path.join(folder, "out.vdb"), "--resolution", "4"),
+            ("refine", path, "-o", os.path.join(folder, "out.json"), "--levels", "1")]
+
+
+class Refused(unittest.TestCase):
+    def setUp(self):
+        temporary = command.temporary_folder()
+        self.addCleanup(temporary.cleanup)
+        self.inputs = os.path.join(temporary.name, "in")
+        self.outputs = os.path.join(temporary.name, "out")
+        os.mkdir(self.inputs)
+        os.mkdir(self.outputs)
+
+    def tearDown(self):
+        self.assertEqual(os.listdir(self.outputs), [], "something was written")
+
+    def write(self, name, content):
+        path = os.path.join(self.inputs, name)
+        with open(path, "wb") as file:
+            file.write(content)
+        return path
+
+    def refused(self, arguments, **options):
+        """Runs the command and returns what it answered, or None and why it should have been other."""
+        result = OCTETVDB.run(*arguments, **options)
+        problem = command.complaint(result)
+        return (None, problem) if problem else (answer(result.stderr, arguments[1]), None)
+
+    def check_all(self, paths, every_command=True):
+        """Every command on each path, or one after the other on one path after the other."""
+        def check(path):
+            commands = usual_commands(path, self.outputs)
+            if not every_command:
+                commands = [commands[paths.index(path) % len(commands)]]
+            return [(c, *self.refused(c)) for c in commands]
+
+        answers = {}
+        for path, results in zip(paths, command.in_parallel(check, paths)):
+            for arguments, said, problem in results:
+                self.assertIsNone(problem, f"{arguments[0]} {path}")
+                self.assertNotIn("does not begin", said, f"{arguments[0]} {path}")
+                answers.setdefault(path, said)
+                self.assertEqual(answers[path], said, "the same whatever the command")
+        return answers
+
+
+class Assets(Refused):
+    """Control assets."""
+
+    def test_corpus_is_what_its_script_writes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, os.path.join(CORPUS, "make.py"), folder], check=True)
+            self.assertEqual(sorted(os.listdir(folder)), corpus())
+            for name in corpus():
+                with open(os.path.join(folder, name), "rb") as made:
+                    with open(os.path.join(CORPUS, name), "rb") as kept:
+                        self.assertEqual(made.read(), kept.read(), name)
+
+    def test_corpus(self):
+        answers = self.check_all([os.path.join(CORPUS, name) for name in corpus()],
+                                 every_command=not OCTETVDB.sanitized)
+        self.assertGreater(len(answers), 200)
+        with open(ANSWERS) as file:
+            expected = dict(line.rstrip("\n").split(": ", 1) for line in file if line[0] != "#")
+        self.assertEqual({os.path.basename(p): a for p, a in answers.items()}, expected)
+
+    def test_good_asset_cut_off_anywhere(self):
+        step = 29 if OCTETVDB.sanitized else 7  # fuzz_replay tries every byte in one process
+        for name in ("good.octet.json", "good.octet"):
+            with open(os.path.join(command.DATA, "wellformed", name), "rb") as file:
+                content = file.read().rstrip()
+            self.assertEqual(OCTETVDB.run("info", self.write(name, content)).returncode, 0)
+            cuts = list(range(0, len(content), step)) + [len(content) - 1]
+            paths = [self.write(f"cut{n}.{name}", content[:n]) for n in cuts]
+            for path, said in self.check_all(paths, every_command=False).items():
+                self.assertRegex(said, "^(line [0-9]+, column [0-9]+: |byte [0-9]+: |is empty)", path)
+
+    def test_a_gigabyte_of_nesting(self):
+        """Made on the way, through a pipe: the answer comes after the first few bytes."""
+        mesh = b'{"octet": 1, "vertices": '
+        shapes = {"arrays": (mesh, b"["), "objects": (b"", b'{"a":'), "mixed": (b"", b'{"a":[[['),
+                  "cbor_arrays": (b"\xa1\x61a", b"\x81"), "cbor_open_arrays": (b"\xbf\x61a", b"\x9f"),
+                  "cbor_maps": (b"", b"\xa1\x61a")}
+        for name, (start, piece) in shapes.items():
+            with self.subTest(name):
+                path = os.path.join(self.inputs, name)
+                os.mkfifo(path)
+                feeder = threading.Thread(target=feed, args=(path, start, piece))
+                feeder.start()
+                said, problem = self.refused(("info", path))
+                feeder.join()
+                self.assertIsNone(problem)
+                self.assertIn("is nested deeper than 16 levels", said)
+
+    def test_a_gigabyte_of_nesting_in_a_file(self):
+        path = self.write("nested.octet.json", b'{"vertices": ')
+        with open(path, "ab") as file:
+            for _ in range(GIGABYTE >> 20):
+                file.write(b"[" * (1 << 20))
+        self.assertGreater(os.path.getsize(path), GIGABYTE)
+        for said in self.check_all([path]).values():
+            self.assertIn("is nested deeper than 16 levels", said)
+
+    def test_millions_of_small_values(self):
+        """A file of 30 MB that would take gigabytes as a tree of values."""
+        content = b'{"octet": 1, "vertices": [[0, 0, 0]], "extra": [' + b"{}," * 10000000 + b"{}]}"
+        said = self.check_all([self.write("many.octet.json", content)], every_command=False)
+        self.assertIn("more than a control asset can hold", list(said.values())[0])
+
+    def test_no_such_file_and_no_file(self):
+        for path, reason in ((os.path.join(self.inputs, "missing.octet.json"), "cannot be read: No "
+                              "such file or directory"), (self.inputs, "is a folder"),
+                             ("/dev/null", "is empty")):
+            said = self.check_all([path])
+            self.assertEqual(said[path], reason)
+
+    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
+    def test_file_that_may_not_be_read(self):
+        path = self.write("secret.octet.json", b"{}")
+        os.chmod(path, 0)
+        self.assertIn("Permission denied", self.check_all([path])[path])
+
+    def test_odd_file_names_stay_on_one_line(self):
+        for name in ("line\nbreak.octet.json", "tab\t\x1b[31mred.octet.json"):
+            result = OCTETVDB.run("info", self.write(name, b"["))
+            self.assertIsNone(command.complaint(result))
+            self.assertNotIn("\x1b", result.stderr)
+
+
+class Vdbs(Refused):
+    """`info` of files that are no .vdb."""
+
+    def test_info_of_a_damaged_vdb(self):
+        whole = os.path.join(self.inputs, "whole.vdb")
+        asset = os.path.join(command.DATA, "wellformed", "good.octet.json")
+        self.assertEqual(OCTETVDB.run("bake", asset, "-o", whole, "--resolution", "6",
+                                      "--form", "mass").returncode, 0)
+        with open(whole, "rb") as file:
+            content = file.read()
+        step = max(1, len(content) // (12 if OCTETVDB.sanitized else 150))
+        paths = [self.write(f"cut{n}.vdb", content[:n]) for n in range(0, len(content), step)]
+        paths.append(self.write("text.vdb", b"not a grid\n" * 100))
+        for path, result in zip(paths, command.in_parallel(lambda p: OCTETVDB.run("info", p), paths)):
+            self.assertIsNone(command.complaint(result), path)
+            self.assertIn("is not a readable .vdb", result.stderr)
+
+
+def feed(path, start, piece):
+    """Writes a gigabyte into a pipe, or as much as the reader wants."""
+    block = piece * ((1 << 20) // len(piece))
+    try:
+        with open(path, "wb", buffering=0) as pipe:
+            pipe.write(start)
+            for _ in range(GIGABYTE // len(block) + 1):
+                pipe.write(block)
+    except BrokenPipeError:
+        pass
+
+
+def write_answers():
+    with open(ANSWERS, "w") as file:
+        file.write("# What octetvdb answers to each file: place and reason. Written by "
+                   "malformed_test.py --write-answers, read by a person.\n")
+        for name in corpus():
+            path = os.path.join(CORPUS, name)
+            result = OCTETVDB.run("info", path)
+            assert not command.complaint(result), (name, result)
+            file.write(f"{name}: {answer(result.stderr, path)}\n")
+
+
+if __name__ == "__main__":
+    if "--write-answers" in sys.argv:
+        write_answers()
+    else:
+        unittest.main()
