@@ -2,45 +2,41 @@
 #include "gmsh_reader.h"
 
 #include <new>
-#include <stdexcept>
+#include <optional>
 
-#include <gmsh.h>
+#include "gmsh_api.h"
 
 namespace octet::gmsh_import {
 namespace {
 
-std::vector<ElementBlock> readElements(int dimension, int entity) {
-  std::vector<int> types;
-  std::vector<std::vector<std::size_t>> tags, nodes;
-  gmsh::model::mesh::getElements(types, tags, nodes, dimension, entity);
-  std::vector<ElementBlock> blocks(types.size());
-  for (std::size_t k = 0; k < types.size(); ++k) {
+std::vector<ElementBlock> readElements(GmshApi* gmsh, int dimension, int entity) {
+  const GmshApi::Elements elements = gmsh->elements(dimension, entity);
+  std::vector<ElementBlock> blocks(elements.types.size());
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
     ElementBlock& block = blocks[k];
-    int order = 0, primaryNodes = 0;
-    std::vector<double> local;
-    block.type = types[k];
-    gmsh::model::mesh::getElementProperties(types[k], block.typeName, block.dimension, order,
-                                            block.nodesPerElement, local, primaryNodes);
-    block.tags.assign(tags[k].begin(), tags[k].end());
-    block.nodes.assign(nodes[k].begin(), nodes[k].end());
+    const GmshApi::ElementType type = gmsh->elementType(elements.types[k]);
+    block.type = elements.types[k];
+    block.typeName = type.name;
+    block.dimension = type.dimension;
+    block.nodesPerElement = type.nodes;
+    block.tags.assign(elements.tags[k].begin(), elements.tags[k].end());
+    block.nodes.assign(elements.nodes[k].begin(), elements.nodes[k].end());
   }
   return blocks;
 }
 
-std::vector<PhysicalGroup> readGroups() {
+std::vector<PhysicalGroup> readGroups(GmshApi* gmsh) {
   std::vector<PhysicalGroup> groups;
   for (const int dimension : {0, 1}) {
-    gmsh::vectorpair tags;
-    gmsh::model::getPhysicalGroups(tags, dimension);
-    for (const auto& [dim, tag] : tags) {
+    for (const int tag : gmsh->physicalGroups(dimension)) {
       PhysicalGroup group;
-      group.dimension = dim;
-      gmsh::model::getPhysicalName(dim, tag, group.name);
+      group.dimension = dimension;
+      group.name = gmsh->physicalName(dimension, tag);
       if (group.name.empty()) continue;
-      std::vector<int> entities;
-      gmsh::model::getEntitiesForPhysicalGroup(dim, tag, entities);
-      for (const int entity : entities) {
-        for (ElementBlock& block : readElements(dim, entity)) group.blocks.push_back(block);
+      for (const int entity : gmsh->entitiesOfGroup(dimension, tag)) {
+        for (ElementBlock& block : readElements(gmsh, dimension, entity)) {
+          group.blocks.push_back(std::move(block));
+        }
       }
       groups.push_back(std::move(group));
     }
@@ -48,25 +44,21 @@ std::vector<PhysicalGroup> readGroups() {
   return groups;
 }
 
-std::vector<View> readViews() {
-  std::vector<int> tags;
-  gmsh::view::getTags(tags);
+std::vector<View> readViews(GmshApi* gmsh) {
   std::vector<View> views;
-  for (const int tag : tags) {
-    const std::string option = "View[" + std::to_string(gmsh::view::getIndex(tag)) + "].";
+  for (const int tag : gmsh->views()) {
     View view;
-    double steps = 0;
-    gmsh::option::getString(option + "Name", view.name);
-    gmsh::option::getNumber(option + "NbTimeStep", steps);
-    for (int step = 0; step < static_cast<int>(steps); ++step) {
+    view.name = gmsh->viewName(tag);
+    const int steps = gmsh->viewSteps(tag);
+    for (int step = 0; step < steps; ++step) {
+      GmshApi::ViewData data = gmsh->viewData(tag, step);
+      view.dataType = data.type;
+      if (data.tags.empty()) continue;  // steps count from 0 whether the file has them or not
       ViewStep s;
       s.step = step;
-      std::vector<std::size_t> entries;
-      double time = 0;
-      gmsh::view::getHomogeneousModelData(tag, step, view.dataType, entries, s.values, time,
-                                          s.components);
-      if (entries.empty()) continue;  // steps are counted from 0 whether the file has them or not
-      s.tags.assign(entries.begin(), entries.end());
+      s.components = data.components;
+      s.tags.assign(data.tags.begin(), data.tags.end());
+      s.values = std::move(data.values);
       view.steps.push_back(std::move(s));
     }
     views.push_back(std::move(view));
@@ -74,10 +66,22 @@ std::vector<View> readViews() {
   return views;
 }
 
+/// All of the mesh that `mesh` holds; throws std::string.
+void read(const std::string& path, GmshApi* gmsh, GmshMesh* mesh) {
+  gmsh->merge(path);
+  const GmshApi::Nodes nodes = gmsh->nodes();
+  mesh->nodeTags.assign(nodes.tags.begin(), nodes.tags.end());
+  mesh->coordinates = nodes.coordinates;
+  mesh->blocks = readElements(gmsh, -1, -1);
+  mesh->groups = readGroups(gmsh);
+  mesh->views = readViews(gmsh);
+}
+
 /// Gmsh's reason, or its last warning where the reason says only that the file cannot be read.
 std::string reason(const std::string& error, const std::string& path,
                    const std::vector<std::string>& messages) {
-  if (error.find(path) == std::string::npos) return "Gmsh cannot read it: " + error;
+  if (!error.empty() && error.find(path) == std::string::npos)
+    return "Gmsh cannot read it: " + error;
   const std::string warning = "Warning: ";
   for (auto m = messages.rbegin(); m != messages.rend(); ++m) {
     if (m->rfind(warning, 0) == 0) return "Gmsh cannot read it: " + m->substr(warning.size());
@@ -89,32 +93,25 @@ std::string reason(const std::string& error, const std::string& path,
 
 GmshMesh readWithGmsh(const std::string& path) {
   GmshMesh mesh;
-  std::string error;
+  std::optional<GmshApi> gmsh;
   try {
-    // Not the user's settings: a mesh is to read the same everywhere.
-    gmsh::initialize(0, nullptr, /*readConfigFiles=*/false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::logger::start();
-    gmsh::merge(path);
-    std::vector<std::size_t> tags;
-    std::vector<double> parameters;
-    gmsh::model::mesh::getNodes(tags, mesh.coordinates, parameters);
-    mesh.nodeTags.assign(tags.begin(), tags.end());
-    mesh.blocks = readElements(-1, -1);
-    mesh.groups = readGroups();
-    mesh.views = readViews();
-  } catch (const std::string& e) {  // Gmsh's own kind of exception
+    gmsh.emplace();
+    gmsh->initialize();
+  } catch (const std::string& e) {
+    mesh.error = e;
+    return mesh;
+  }
+  std::optional<std::string> error;
+  try {
+    read(path, &*gmsh, &mesh);
+  } catch (const std::string& e) {  // Gmsh's own
     error = e;
   } catch (const std::bad_alloc&) {
     error = "it asks for more memory than a file of its size needs";
-  } catch (const std::length_error&) {
-    error = "it asks for more memory than a file of its size needs";
-  } catch (const std::exception& e) {
-    error = e.what();
   }
-  gmsh::logger::get(mesh.messages);
-  if (!error.empty()) mesh.error = reason(error, path, mesh.messages);
-  return mesh;  // no gmsh::finalize: the process ends here, and the model may be damaged
+  mesh.messages = gmsh->messages();
+  if (error) mesh.error = reason(*error, path, mesh.messages);
+  return mesh;  // no gmshFinalize: the process ends here, and the model may be damaged
 }
 
 }  // namespace octet::gmsh_import

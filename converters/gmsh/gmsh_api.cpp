@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gmsh_api.h"
+
+#include <type_traits>
+
+#include <dlfcn.h>
+#include <gmshc.h>
+
+namespace octet::gmsh_import {
+namespace {
+
+/// An array that Gmsh returns. It is not freed: the process is Gmsh's alone, and short-lived.
+template <typename T>
+struct List {
+  T* data = nullptr;
+  std::size_t size = 0;
+
+  std::vector<T> take() const {
+    return size ? std::vector<T>(data, data + size) : std::vector<T>();
+  }
+};
+
+/// An array of arrays that Gmsh returns.
+template <typename T>
+struct Lists {
+  T** data = nullptr;
+  std::size_t* sizes = nullptr;
+  std::size_t size = 0;
+
+  std::vector<std::vector<T>> take() const {
+    std::vector<std::vector<T>> result;
+    for (std::size_t k = 0; k < size; ++k) result.push_back(List<T>{data[k], sizes[k]}.take());
+    return result;
+  }
+};
+
+std::string take(const char* text) { return text ? text : ""; }
+
+}  // namespace
+
+// Calls a function of the C API, all of which take a place for an error code at the end.
+#define OCTET_GMSH(function, ...) call<decltype(function)>(#function, __VA_ARGS__)
+
+template <typename Function, typename... Arguments>
+auto GmshApi::call(const char* name, Arguments... arguments) {
+  const auto function = reinterpret_cast<Function*>(::dlsym(library_, name));
+  if (!function) throw std::string("the Gmsh library has no function ") + name;
+  int error = 0;
+  const auto check = [&] {
+    if (error == 0) return;
+    const auto lastError = reinterpret_cast<decltype(gmshLoggerGetLastError)*>(
+        ::dlsym(library_, "gmshLoggerGetLastError"));
+    char* reason = nullptr;
+    int ignored = 0;
+    if (lastError) lastError(&reason, &ignored);
+    throw take(reason);
+  };
+  using Result = std::invoke_result_t<Function*, Arguments..., int*>;
+  if constexpr (std::is_void_v<Result>) {
+    function(arguments..., &error);
+    check();
+  } else {
+    const Result result = function(arguments..., &error);
+    check();
+    return result;
+  }
+}
+
+GmshApi::GmshApi() {
+  for (const char* name : {OCTET_GMSH_LIBRARY, OCTET_GMSH_LIBRARY_NAME, "libgmsh.so"}) {
+    library_ = ::dlopen(name, RTLD_LAZY | RTLD_LOCAL);
+    if (library_) return;
+  }
+  throw std::string("the Gmsh library cannot be loaded: ") + ::dlerror();
+}
+
+void GmshApi::initialize() {
+  OCTET_GMSH(gmshInitialize, 0, nullptr, /*readConfigFiles=*/0);
+  OCTET_GMSH(gmshOptionSetNumber, "General.Terminal", 0);
+  call<decltype(gmshLoggerStart)>("gmshLoggerStart");
+}
+
+void GmshApi::merge(const std::string& path) { OCTET_GMSH(gmshMerge, path.c_str()); }
+
+std::vector<std::string> GmshApi::messages() {
+  List<char*> list;
+  OCTET_GMSH(gmshLoggerGet, &list.data, &list.size);
+  std::vector<std::string> result;
+  for (const char* message : list.take()) result.push_back(take(message));
+  return result;
+}
+
+GmshApi::Nodes GmshApi::nodes() {
+  List<std::size_t> tags;
+  List<double> coordinates, parameters;
+  OCTET_GMSH(gmshModelMeshGetNodes, &tags.data, &tags.size, &coordinates.data, &coordinates.size,
+             &parameters.data, &parameters.size, -1, -1, /*includeBoundary=*/0,
+             /*returnParametricCoord=*/0);
+  return {tags.take(), coordinates.take()};
+}
+
+GmshApi::Elements GmshApi::elements(int dimension, int entity) {
+  List<int> types;
+  Lists<std::size_t> tags, nodes;
+  OCTET_GMSH(gmshModelMeshGetElements, &types.data, &types.size, &tags.data, &tags.sizes,
+             &tags.size, &nodes.data, &nodes.sizes, &nodes.size, dimension, entity);
+  return {types.take(), tags.take(), nodes.take()};
+}
+
+GmshApi::ElementType GmshApi::elementType(int type) {
+  ElementType result;
+  char* name = nullptr;
+  int order = 0, primaryNodes = 0;
+  List<double> local;
+  OCTET_GMSH(gmshModelMeshGetElementProperties, type, &name, &result.dimension, &order,
+             &result.nodes, &local.data, &local.size, &primaryNodes);
+  result.name = take(name);
+  return result;
+}
+
+std::vector<int> GmshApi::physicalGroups(int dimension) {
+  List<int> pairs;
+  OCTET_GMSH(gmshModelGetPhysicalGroups, &pairs.data, &pairs.size, dimension);
+  std::vector<int> tags;
+  for (std::size_t k = 1; k < pairs.size; k += 2) tags.push_back(pairs.data[k]);
+  return tags;
+}
+
+std::string GmshApi::physicalName(int dimension, int group) {
+  char* name = nullptr;
+  OCTET_GMSH(gmshModelGetPhysicalName, dimension, group, &name);
+  return take(name);
+}
+
+std::vector<int> GmshApi::entitiesOfGroup(int dimension, int group) {
+  List<int> tags;
+  OCTET_GMSH(gmshModelGetEntitiesForPhysicalGroup, dimension, group, &tags.data, &tags.size);
+  return tags.take();
+}
+
+std::vector<int> GmshApi::views() {
+  List<int> tags;
+  OCTET_GMSH(gmshViewGetTags, &tags.data, &tags.size);
+  return tags.take();
+}
+
+std::string GmshApi::viewName(int view) {
+  const std::string option =
+      "View[" + std::to_string(OCTET_GMSH(gmshViewGetIndex, view)) + "].Name";
+  char* name = nullptr;
+  OCTET_GMSH(gmshOptionGetString, option.c_str(), &name);
+  return take(name);
+}
+
+int GmshApi::viewSteps(int view) {
+  const std::string option =
+      "View[" + std::to_string(OCTET_GMSH(gmshViewGetIndex, view)) + "].NbTimeStep";
+  double steps = 0;
+  OCTET_GMSH(gmshOptionGetNumber, option.c_str(), &steps);
+  return static_cast<int>(steps);
+}
+
+GmshApi::ViewData GmshApi::viewData(int view, int step) {
+  ViewData result;
+  char* type = nullptr;
+  List<std::size_t> tags;
+  List<double> values;
+  double time = 0;
+  OCTET_GMSH(gmshViewGetHomogeneousModelData, view, step, &type, &tags.data, &tags.size,
+             &values.data, &values.size, &time, &result.components);
+  result.type = take(type);
+  result.tags = tags.take();
+  result.values = values.take();
+  return result;
+}
+
+}  // namespace octet::gmsh_import
