@@ -26,6 +26,53 @@ Array<double> refined(const ControlAsset& asset, const Refiner& refiner, const F
   return refiner.refine(coefficients<K>(asset, form, frame), mode).values();
 }
 
+/// Writes lists a block of entries at a time, with reports in between.
+class ReportingWriter {
+ public:
+  ReportingWriter(const std::string& path, std::size_t total, const ProgressCallback& progress)
+      : out(path, DocumentWriter::formatFor(path)), total_(total), progress_(progress) {}
+
+  DocumentWriter out;
+
+  /// A key with an array, whose entries `write(k)` writes.
+  template <typename Write>
+  void array(const char* name, std::size_t size, const Write& write) {
+    constexpr std::size_t kBlock = 1 << 16;
+    out.key(name);
+    out.beginArray(size);
+    for (std::size_t k = 0; k < size; ++k) {
+      if (k % kBlock == 0) report(done_ + k);
+      write(k);
+    }
+    out.endArray();
+    done_ += size;
+  }
+  template <typename Rows>
+  void table(const char* name, const Rows& rows) {
+    array(name, rows.size(), [&](std::size_t k) { out.row(rows[k]); });
+  }
+  void finish() {
+    report(total_);
+    out.close();
+  }
+
+ private:
+  void report(std::size_t done) const {
+    reportProgress(progress_, {"write document", done, total_, "entries"});
+  }
+
+  std::size_t total_, done_ = 0;
+  const ProgressCallback& progress_;
+};
+
+std::size_t entryCount(const ControlAsset& asset, const Refiner& refiner) {
+  const Complex& c = refiner.finest();
+  std::size_t count = refiner.positions(refiner.levels()).size() + c.edges.size() +
+                      static_cast<std::size_t>(c.facetCount()) + c.tets.size() + c.octs.size();
+  for (const Form& form : asset.forms) count += static_cast<std::size_t>(c.count(form.degree));
+  return count;
+}
+
 }  // namespace
 
 BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryChoice choice) {
@@ -43,18 +90,17 @@ BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryC
 }
 
 void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
-                          int frame, const std::string& path) {
+                          int frame, const std::string& path, const ProgressCallback& progress) {
   const Complex& complex = refiner.finest();
-  DocumentWriter out(path, DocumentWriter::formatFor(path));
+  ReportingWriter writer(path, entryCount(asset, refiner), progress);
+  DocumentWriter& out = writer.out;
   out.beginObject(6);
-  out.table("vertices", refiner.positions(refiner.levels()));
-  out.table("edges", complex.edges);
-  out.key("facets");
-  out.beginArray(complex.facetCount());
-  for (Index f = 0; f < complex.facetCount(); ++f) out.row(complex.facetVertices(f));
-  out.endArray();
-  out.table("tetrahedra", complex.tets);
-  out.table("octahedra", complex.octs);
+  writer.table("vertices", refiner.positions(refiner.levels()));
+  writer.table("edges", complex.edges);
+  writer.array("facets", static_cast<std::size_t>(complex.facetCount()),
+               [&](std::size_t f) { out.row(complex.facetVertices(static_cast<Index>(f))); });
+  writer.table("tetrahedra", complex.tets);
+  writer.table("octahedra", complex.octs);
   out.key("forms");
   out.beginObject(asset.forms.size());
   for (const Form& form : asset.forms) {
@@ -67,12 +113,12 @@ void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, Bou
                         : form.degree == 1 ? refined<1>(asset, refiner, form, mode, frame)
                         : form.degree == 2 ? refined<2>(asset, refiner, form, mode, frame)
                                            : refined<3>(asset, refiner, form, mode, frame);
-    out.list("values", values);
+    writer.array("values", values.size(), [&](std::size_t k) { out.value(values[k]); });
     out.endObject();
   }
   out.endObject();
   out.endObject();
-  out.close();
+  writer.finish();
 }
 
 }  // namespace octet

@@ -17,7 +17,9 @@ BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryC
 
 /// Writes the finest complex of a refiner and the asset's forms on it: vertices, edges, facets,
 /// tetrahedra, octahedra, and for each form its degree and dense values (of frame `frame`).
+/// @throws IoError, Cancelled
 void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
-                          int frame, const std::string& path);
+                          int frame, const std::string& path,
+                          const ProgressCallback& progress = {});
 
 }  // namespace octet

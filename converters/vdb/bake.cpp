@@ -94,7 +94,7 @@ class Baker {
     refinerOptions.zeta = options_.zeta;
     refinerOptions.progress = options_.progress;
     refiner_ = std::make_unique<Refiner>(asset_.mesh, refinerOptions);
-    limit_ = std::make_unique<Limit>(*refiner_);
+    limit_ = std::make_unique<Limit>(*refiner_, options_.progress);
     report_.cells = refiner_->finest().cellCount();
     report_.meanEdge = meanEdge(refiner_->finest(), limit_->positions());
     report_.note = target_.note;
@@ -256,7 +256,7 @@ class Baker {
                                          {"octet_meters_per_unit", asset_.units.metersPerUnit},
                                          {"octet_frames_per_second", asset_.units.framesPerSecond}};
     if (frame) metadata.push_back({"octet_frame", static_cast<std::int32_t>(*frame)});
-    vdb.write(path, metadata);
+    vdb.write(path, metadata, options_.progress);
     return file;
   }
 

@@ -3,10 +3,12 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include <openvdb/io/Compression.h>
 #include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <tbb/enumerable_thread_specific.h>
 
@@ -27,6 +29,66 @@ class VdbArchive : public openvdb::io::Archive {
     write(os, grids, /*seekable=*/true, metadata);
   }
 };
+
+/// A file that reports how much was written; when that cancels, writing fails.
+class ReportingFile : public std::filebuf {
+ public:
+  ReportingFile(std::string stage, const ProgressCallback& progress)
+      : stage_(std::move(stage)), progress_(progress) {}
+  bool cancelled() const { return cancelled_; }
+  void finish() const { reportProgress(progress_, {stage_, written_, written_, "bytes"}); }
+
+ protected:
+  std::streamsize xsputn(const char* data, std::streamsize n) override {
+    written_ += static_cast<std::size_t>(n);
+    if (progress_ && written_ - reported_ >= kBytesPerReport) {
+      reported_ = written_;
+      cancelled_ |= !progress_({stage_, written_, 0, "bytes"});
+    }
+    return cancelled_ ? 0 : std::filebuf::xsputn(data, n);
+  }
+
+ private:
+  static constexpr std::size_t kBytesPerReport = 1 << 20;
+
+  std::string stage_;
+  const ProgressCallback& progress_;
+  std::size_t written_ = 0, reported_ = 0;
+  bool cancelled_ = false;
+};
+
+/// OpenVDB gives each file a random tag; this one tells the content instead, so that the same bake
+/// makes the same bytes. The tag follows 21 bytes: magic number, three versions and a flag.
+void tagByContent(const std::string& path) {
+  constexpr std::streamoff kTag = 21;
+  constexpr std::size_t kLength = 36;
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  std::string tag(kLength, '\0');
+  if (!file.seekg(kTag) || !file.read(tag.data(), kLength)) return;
+  if (tag[8] != '-' || tag[13] != '-' || tag[18] != '-' || tag[23] != '-') return;  // no such tag
+  // Two FNV-1a sums over eight bytes at a time.
+  std::uint64_t sums[2] = {0xcbf29ce484222325ull, 0x84222325cbf29ce4ull};
+  std::vector<std::uint64_t> block(1 << 17);
+  while (file) {
+    std::fill(block.begin(), block.end(), 0);
+    file.read(reinterpret_cast<char*>(block.data()),
+              static_cast<std::streamsize>(block.size() * sizeof block[0]));
+    const std::size_t n = (static_cast<std::size_t>(file.gcount()) + 7) / 8;
+    for (std::size_t k = 0; k < n; ++k) {
+      sums[k & 1] = (sums[k & 1] ^ block[k]) * 0x100000001b3ull;
+      sums[k & 1] ^= sums[k & 1] >> 29;
+    }
+  }
+  file.clear();
+  constexpr char kDigits[] = "0123456789abcdef";
+  for (std::size_t k = 0, digit = 0; k < kLength; ++k) {
+    if (tag[k] == '-') continue;
+    tag[k] = kDigits[sums[digit / 16] >> (4 * (digit % 16)) & 15];
+    ++digit;
+  }
+  file.seekp(kTag);
+  file.write(tag.data(), kLength);
+}
 
 /// The value of a sample as a file stores it.
 template <typename Value, int C>
@@ -236,40 +298,47 @@ VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
   return info;
 }
 
-void VdbFile::write(const std::string& path, const std::vector<VdbMetadata>& fileMetadata) const {
+void VdbFile::write(const std::string& path, const std::vector<VdbMetadata>& fileMetadata,
+                    const ProgressCallback& progress) const {
   AtomicFile file(path);
+  ReportingFile buffer("write " + std::filesystem::path(path).filename().string(), progress);
   const auto fail = [&] {
     return IoError(path, std::string("cannot be written: ") +
                              (errno ? std::strerror(errno) : "the disk may be full"));
   };
   errno = 0;
-  std::ofstream stream(file.temporaryPath(), std::ios::binary | std::ios::trunc);
-  if (!stream) throw fail();
+  if (!buffer.open(file.temporaryPath(), std::ios::out | std::ios::binary | std::ios::trunc)) {
+    throw fail();
+  }
+  std::ostream stream(&buffer);
   try {
     openvdb::MetaMap metadata;
     metadata.insertMeta("creator", openvdb::StringMetadata(std::string("OctetVDB ") + kVersion));
     addMetadata(&metadata, fileMetadata);
     VdbArchive().writeTo(stream, grids_->list, metadata);
   } catch (const openvdb::Exception& e) {
+    if (buffer.cancelled()) throw Cancelled();
     throw IoError(path, std::string("cannot be written: ") + e.what());
   }
-  stream.close();
-  if (!stream) throw fail();
+  if (buffer.cancelled()) throw Cancelled();
+  if (!buffer.close() || !stream) throw fail();
+  tagByContent(file.temporaryPath());
+  buffer.finish();
   file.commit();
 }
 
 std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
                                      std::vector<VdbMetadata>* fileMetadata) {
   initialize();
-  if (!std::ifstream(path)) {
-    throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
-  }
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
   std::vector<VdbGridInfo> result;
   try {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
-    if (fileMetadata) *fileMetadata = readMetadata(*file.getMetadata());
-    const openvdb::GridPtrVecPtr grids = file.getGrids();
+    // OpenVDB takes what lies beyond the end of a file that is cut off for zeros, or for anything.
+    in.exceptions(std::ios::failbit | std::ios::badbit);
+    openvdb::io::Stream stream(in, /*delayLoad=*/false);
+    if (fileMetadata) *fileMetadata = readMetadata(*stream.getMetadata());
+    const openvdb::GridPtrVecPtr grids = stream.getGrids();
     for (const openvdb::GridBase::Ptr& grid : *grids) {
       VdbGridInfo info = describe(*grid);
       measureRange<openvdb::FloatGrid>(*grid, &info) ||
@@ -280,7 +349,8 @@ std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
           measureRange<openvdb::Int64Grid>(*grid, &info);
       result.push_back(std::move(info));
     }
-    file.close();
+  } catch (const std::ios_base::failure&) {
+    throw InputError(path, "", "is not a readable .vdb: it is cut off or damaged");
   } catch (const openvdb::Exception& e) {
     throw InputError(path, "", std::string("is not a readable .vdb: ") + e.what());
   } catch (const std::bad_alloc&) {

@@ -63,8 +63,10 @@ class VdbFile {
   VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});
 
-  /// @throws IoError
-  void write(const std::string& path, const std::vector<VdbMetadata>& fileMetadata = {}) const;
+  /// The same grids make the same bytes: the file's unique tag is made from its content.
+  /// @throws IoError, Cancelled
+  void write(const std::string& path, const std::vector<VdbMetadata>& fileMetadata = {},
+             const ProgressCallback& progress = {}) const;
 
  private:
   struct Grids;

@@ -13,7 +13,7 @@ namespace octet {
 struct ProgressReport {
   std::string stage;      ///< "refine level 3", "bake velocity", ...
   std::size_t done = 0;   ///< units finished, 0 <= done <= total
-  std::size_t total = 0;  ///< units in this stage
+  std::size_t total = 0;  ///< units in this stage; 0 when that is not known
   const char* unit = "";  ///< what is counted: "cells", "leaves", ...
 };
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "../rules/smoothing_rules.h"
 
 namespace octet {
@@ -83,18 +83,20 @@ void sortUnique(std::vector<Index>* list) {
 
 }  // namespace
 
-Limit::Limit(const Refiner& refiner)
+Limit::Limit(const Refiner& refiner, ProgressCallback progress)
     : refiner_(refiner),
+      progress_(std::move(progress)),
       c_(refiner.finest()),
       sites_(refiner.sites(refiner.levels())),
       coefficientPositions_(refiner.positions(refiner.levels())),
       masks_(refiner.zeta()) {
   positions_.resize(c_.vertexCount());
-  parallelFor<Index>(c_.vertexCount(), [&](Index v) {
+  const auto limitOf = [&](Index v) {
     for (int axis = 0; axis < 3; ++axis) {
       positions_[v][axis] = valueAt(v, [&](Index u) { return coefficientPositions_[u][axis]; });
     }
-  });
+  };
+  reportedFor<Index>(c_.vertexCount(), limitOf, progress_, "limit of positions", "vertices");
   prepareWalls();
 }
 
@@ -152,8 +154,8 @@ double Limit::valueAt(Index v, const At& at) const {
 
 Array<double> Limit::values(const Cochain<0>& form) const {
   Array<double> result(c_.vertexCount());
-  parallelFor<Index>(c_.vertexCount(),
-                     [&](Index v) { result[v] = valueAt(v, [&](Index u) { return form[u]; }); });
+  const auto limitOf = [&](Index v) { result[v] = valueAt(v, [&](Index u) { return form[u]; }); };
+  reportedFor<Index>(c_.vertexCount(), limitOf, progress_, "limit of values", "vertices");
   return result;
 }
 
@@ -169,7 +171,7 @@ template <int K>
 Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode) const {
   const Boundary& boundary = refiner_.boundary(refiner_.levels());
   Array<Vec3> result(c_.vertexCount());
-  parallelFor<Index>(
+  reportedFor<Index>(
       c_.vertexCount(),
       [&](Index v) {
         const Index site =
@@ -186,7 +188,7 @@ Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode) const {
         const Vec3 along = walls_[row] * result[v];
         result[v] = K == 2 ? along : Vec3(result[v] - along);
       },
-      256);
+      progress_, "limit of vectors", "vertices", 256);
   return result;
 }
 

@@ -22,7 +22,8 @@ namespace octet {
 /// refiner must outlive it.
 class Limit {
  public:
-  explicit Limit(const Refiner& refiner);
+  /// @param progress  also called by the const members, from the thread that calls those
+  explicit Limit(const Refiner& refiner, ProgressCallback progress = {});
 
   /// Limit positions of the vertices, world units.
   const Array<Vec3>& positions() const { return positions_; }
@@ -63,6 +64,7 @@ class Limit {
   void prepareWalls();
 
   const Refiner& refiner_;
+  ProgressCallback progress_;
   const Complex& c_;
   const LatticeSites& sites_;
   const Array<Vec3>& coefficientPositions_;  // of the finest level, to which coefficients refer

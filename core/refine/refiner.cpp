@@ -9,6 +9,28 @@
 namespace octet {
 namespace {
 constexpr int kMostLevels = 12;
+
+/// Reports the building of a level, part by part; what is done is told in cells.
+class LevelProgress {
+ public:
+  LevelProgress(const ProgressCallback& callback, int level, Index cells)
+      : callback_(callback),
+        stage_("build level " + std::to_string(level)),
+        cells_(static_cast<std::size_t>(cells)) {
+    report(0);
+  }
+  /// Rough shares of the time, when each part ends.
+  enum Percent { kTopology = 25, kSmoothing = 35, kPositions = 50, kAll = 100 };
+  void report(int percent) const {
+    reportProgress(callback_,
+                   {stage_, cells_ * static_cast<std::size_t>(percent) / kAll, cells_, "cells"});
+  }
+
+ private:
+  const ProgressCallback& callback_;
+  std::string stage_;
+  std::size_t cells_;
+};
 }  // namespace
 
 Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
@@ -29,18 +51,18 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
   levels_.push_back(std::move(control));
   for (int k = 1; k <= options.levels; ++k) {
     const Level& coarse = *levels_.back();
-    reportProgress(options.progress,
-                   {"build level " + std::to_string(k), 0,
-                    static_cast<std::size_t>(splitCellCount(*coarse.complex)), "cells"});
+    const LevelProgress progress(options.progress, k, splitCellCount(*coarse.complex));
     auto fine = std::make_unique<Level>();
     fine->complex = split(coarse.complex);
     fine->boundary = Boundary(*fine->complex, mesh.corners(), &coarse.boundary);
     fine->sites = LatticeSites(*fine->complex);
+    progress.report(LevelProgress::kTopology);
     fine->positions.resize(fine->complex->vertexCount());
     if (options.smooth) {
       fine->smoothing = std::make_unique<Smoothing>(*fine->complex, fine->boundary, fine->sites,
                                                     *kernels_, scratch_.get());
     }
+    progress.report(LevelProgress::kSmoothing);
     Array<double> before(coarse.complex->vertexCount()), linear(fine->complex->vertexCount()),
         after(fine->complex->vertexCount());
     for (int axis = 0; axis < 3; ++axis) {
@@ -52,14 +74,14 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
       parallelFor<Index>(fine->complex->vertexCount(),
                          [&](Index v) { fine->positions[v][axis] = result[v]; });
     }
+    progress.report(LevelProgress::kPositions);
     if (options.smooth) {
       fine->patchTest = std::make_unique<PatchTest>(*fine->complex, fine->boundary, linear_,
                                                     *kernels_, *fine->smoothing, scratch_.get(),
                                                     coarse.positions, fine->positions);
     }
     levels_.push_back(std::move(fine));
-    const std::size_t cells = static_cast<std::size_t>(levels_.back()->complex->cellCount());
-    reportProgress(options.progress, {"build level " + std::to_string(k), cells, cells, "cells"});
+    progress.report(LevelProgress::kAll);
   }
 }
 
@@ -108,7 +130,13 @@ Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode) c
 
 template <int K>
 Cochain<K> Refiner::refine(Cochain<K> form, BoundaryMode mode) const {
-  for (int level = 0; level < levels(); ++level) form = step(level, form, mode);
+  for (int level = 0; level < levels(); ++level) {
+    const auto total = static_cast<std::size_t>(complex(level + 1).count(K));
+    const std::string stage = "refine to level " + std::to_string(level + 1);
+    reportProgress(options_.progress, {stage, 0, total, "coefficients"});
+    form = step(level, form, mode);
+    reportProgress(options_.progress, {stage, total, total, "coefficients"});
+  }
   return form;
 }
 

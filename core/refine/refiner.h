@@ -14,7 +14,7 @@ struct RefinerOptions {
   int levels = 1;               ///< number of subdivisions, 0 to 12
   double zeta = kDefaultZeta;   ///< free weight of the octahedron's linear rule (LinearRules)
   bool smooth = true;           ///< false: linear (Whitney) subdivision only; positions stay put
-  ProgressCallback progress{};  ///< called once per level
+  ProgressCallback progress{};  ///< called several times per level
 };
 
 /// @brief Subdivides a control mesh and the forms on it (scheme.md sections 3 to 8).
@@ -47,7 +47,8 @@ class Refiner {
   /// One step: coefficients on level `level` + 1 from those on `level`.
   template <int K>
   Cochain<K> step(int level, const Cochain<K>& form, BoundaryMode mode) const;
-  /// Coefficients on the finest level from those on the control mesh.
+  /// Coefficients on the finest level from those on the control mesh; reports each level to the
+  /// options' progress, from the calling thread.
   template <int K>
   Cochain<K> refine(Cochain<K> form, BoundaryMode mode) const;
 

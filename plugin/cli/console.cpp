@@ -20,6 +20,7 @@ namespace octet::cli {
 namespace {
 
 volatile std::sig_atomic_t interrupt = 0;
+bool lineShown = false;  // is there a progress line on the terminal?
 
 extern "C" void onInterrupt(int signal) {
   interrupt = signal;
@@ -31,16 +32,13 @@ class ProgressLine {
  public:
   bool report(const ProgressReport& report) {
     using namespace std::chrono;
-    if (interrupt) {
-      clear();
-      return false;
-    }
+    if (interrupt) return false;
     const auto now = steady_clock::now();
     if (report.stage != stage_) {
       stage_ = report.stage;
       started_ = now;
     }
-    const bool finished = report.done == report.total;
+    const bool finished = report.done == report.total && report.total > 0;
     if (!finished && now - shown_ < milliseconds(100) && report.done > 0) return true;
     shown_ = now;
     const double seconds = duration<double>(now - started_).count();
@@ -51,21 +49,18 @@ class ProgressLine {
                    100.0 * static_cast<double>(report.done) / static_cast<double>(report.total));
     }
     if (rate > 0) std::fprintf(stderr, "  %.3g %s/s", rate, report.unit);
-    if (rate > 0 && !finished) {
+    if (rate > 0 && report.total > report.done) {
       const double left = static_cast<double>(report.total - report.done) / rate;
       std::fprintf(stderr, "  %d:%02d left", static_cast<int>(left) / 60,
                    static_cast<int>(left) % 60);
     }
     std::fflush(stderr);
-    if (finished) clear();
+    lineShown = true;
+    if (finished) clearProgress();
     return true;
   }
 
-  ~ProgressLine() { clear(); }
-
  private:
-  void clear() { std::fprintf(stderr, "\r\033[K"); }
-
   std::string stage_;
   std::chrono::steady_clock::time_point started_, shown_;
 };
@@ -77,6 +72,11 @@ void watchForInterrupt() {
   std::signal(SIGTERM, onInterrupt);
 }
 int interruptSignal() { return interrupt; }
+
+void clearProgress() {
+  if (lineShown) std::fprintf(stderr, "\r\033[K");
+  lineShown = false;
+}
 
 ProgressCallback consoleProgress() {
   if (!::isatty(STDERR_FILENO)) {

@@ -11,6 +11,8 @@ namespace octet::cli {
 
 /// Progress with rate and time left on stderr, when that is a terminal; cancels on Ctrl-C.
 ProgressCallback consoleProgress();
+/// Wipes the progress line, when there is one, before something else is printed.
+void clearProgress();
 
 /// From now on Ctrl-C, or the SIGTERM of a farm, makes the next progress report cancel; a second
 /// one ends the program.

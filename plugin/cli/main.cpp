@@ -26,6 +26,7 @@ int fail(std::string message, int code) {
     if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
   }
   if (message.size() > kLongestMessage) message = message.substr(0, kLongestMessage) + "...";
+  octet::cli::clearProgress();
   std::cerr << "octetvdb: " << message << "\n";
   return code;
 }
@@ -71,6 +72,9 @@ int main(int argc, char** argv) {
   octet::cli::addRefine(&program);
   octet::cli::addSample(&program);
   octet::cli::addVerify(&program);
+  for (CLI::App* command : program.get_subcommands({})) {
+    command->footer("With every command: --threads N, the number of threads; all by default");
+  }
   octet::cli::watchForInterrupt();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit is then an error like a full disk
   try {

@@ -44,7 +44,7 @@ void run(Arguments& arguments) {
   if (arguments.frame) checkFrame(asset, *arguments.frame);
   const Refiner refiner(asset.mesh, arguments.options);
   writeRefinedDocument(asset, refiner, arguments.boundary, arguments.frame.value_or(0),
-                       arguments.output);
+                       arguments.output, arguments.options.progress);
 }
 
 }  // namespace
