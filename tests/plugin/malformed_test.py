@@ -180,7 +180,7 @@ class Vdbs(Refused):
                                       "--form", "mass").returncode, 0)
         with open(whole, "rb") as file:
             content = file.read()
-        step = max(1, len(content) // (12 if OCTETVDB.sanitized else 150))
+        step = max(1, len(content) // (10 if OCTETVDB.sanitized else 40))
         paths = [self.write(f"cut{n}.vdb", content[:n]) for n in range(0, len(content), step)]
         paths.append(self.write("text.vdb", b"not a grid\n" * 100))
         for path, result in zip(paths, command.in_parallel(lambda p: OCTETVDB.run("info", p), paths)):
