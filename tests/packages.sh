@@ -19,7 +19,7 @@ BUILD_PACKAGES=(g++ cmake ninja-build libtbb-dev libeigen3-dev libopenvdb-dev
 # What streamlines and pictures need.
 BUILD_PACKAGES+=(libboost-dev libcairo2-dev libembree-dev libopenexr-dev)
 # What the tests need besides.
-TEST_PACKAGES=(libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-numpy python3-gmsh
+TEST_PACKAGES=(python3 git libgtest-dev libbenchmark-dev libosd-dev python3-openvdb python3-numpy python3-gmsh
   libopenvdb-tools clang-format)
 # What the Python module and the Blender add-on need, and their tests.
 BUILD_PACKAGES+=(pybind11-dev python3-dev)

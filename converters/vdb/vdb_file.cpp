@@ -2,12 +2,14 @@
 #include "vdb_file.h"
 
 #include <cerrno>
+#include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include <openvdb/io/Compression.h>
-#include <openvdb/io/File.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -104,14 +106,36 @@ Value gridValue(const Tile<C>& tile, int n, bool half) {
 }
 
 double magnitude(float x) { return x; }
-double magnitude(const openvdb::Vec3f& v) { return v.length(); }
+double magnitude(const openvdb::Vec3f& v) { return openvdb::Vec3d(v).length(); }
+
+/// Keeps the larger absolute value; unlike std::max, also what is not a number.
+void keepLargest(double* largest, float x) {
+  const double size = std::abs(x);
+  if (!std::isnan(*largest) && !(size <= *largest)) *largest = size;
+}
+void keepLargest(double* largest, const openvdb::Vec3f& v) {
+  for (int k = 0; k < 3; ++k) keepLargest(largest, v[k]);
+}
+
+constexpr double kLargestHalf = 65504;
+
+void checkRange(const VdbGridSpec& spec, double largest) {
+  const double most = spec.half ? kLargestHalf : std::numeric_limits<float>::max();
+  if (largest <= most) return;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", largest);
+  throw InputError(
+      "grid \"" + spec.name + "\"",
+      "has values up to " + std::string(text) + ", more than " +
+          (spec.half ? "16-bit floats hold (65504); bake it without half" : "32-bit floats hold"));
+}
 
 /// Leaves made by one thread.
 template <typename Leaf>
 struct LeafBatch {
   std::vector<std::unique_ptr<Leaf>> leaves;
   std::uint64_t active = 0;
-  double min = HUGE_VAL, max = -HUGE_VAL;
+  double min = HUGE_VAL, max = -HUGE_VAL, largest = 0;
 };
 
 void addMetadata(openvdb::MetaMap* map, const std::vector<VdbMetadata>& metadata) {
@@ -154,6 +178,14 @@ VdbGridInfo describe(const openvdb::GridBase& grid) {
   return info;
 }
 
+openvdb::math::Transform::Ptr linearTransform(double voxelSize) {
+  try {
+    return openvdb::math::Transform::createLinearTransform(voxelSize);
+  } catch (const openvdb::ArithmeticError&) {
+    throw InputError("voxel size", "is too small for OpenVDB; scale the asset up");
+  }
+}
+
 /// @param rasterize  calls its argument with the tiles of the grid
 template <typename Grid, int C, typename Rasterize>
 typename Grid::Ptr fill(const Rasterize& rasterize, const VdbGridSpec& spec, VdbGridInfo* info) {
@@ -171,6 +203,7 @@ typename Grid::Ptr fill(const Rasterize& rasterize, const VdbGridSpec& spec, Vdb
       const double size = magnitude(out[n]);
       batch.min = std::min(batch.min, size);
       batch.max = std::max(batch.max, size);
+      keepLargest(&batch.largest, out[n]);
       ++batch.active;
     }
     typename Leaf::NodeMaskType mask;
@@ -185,10 +218,11 @@ typename Grid::Ptr fill(const Rasterize& rasterize, const VdbGridSpec& spec, Vdb
   for (LeafBatch<Leaf>& batch : batches) {
     min = std::min(min, batch.min);
     max = std::max(max, batch.max);
+    checkRange(spec, batch.largest);
     for (auto& leaf : batch.leaves) grid->tree().addLeaf(leaf.release());
   }
   grid->setName(spec.name);
-  auto transform = openvdb::math::Transform::createLinearTransform(spec.frame.voxelSize);
+  auto transform = linearTransform(spec.frame.voxelSize);
   const Vec3 origin = spec.frame.origin + spec.shift;
   transform->postTranslate(openvdb::Vec3d(origin[0], origin[1], origin[2]));
   grid->setTransform(transform);
@@ -244,7 +278,7 @@ bool measureRange(const openvdb::GridBase& base, VdbGridInfo* info) {
   for (auto it = grid->cbeginValueOn(); it; ++it) {
     double size;
     if constexpr (openvdb::VecTraits<typename Grid::ValueType>::IsVec) {
-      size = it.getValue().length();
+      size = openvdb::Vec3d(it.getValue()).length();
     } else {
       size = static_cast<double>(it.getValue());
     }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <octet/core/field/limit.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/refine/refiner.h>
 
@@ -139,6 +140,23 @@ TEST_P(AnyMesh, ConstantFluxesAreExact) {
   }
 }
 
+TEST(FlatWalls, KeepConstantFluxesEverywhere) {
+  for (const double jitter : {0.0, 0.2}) {
+    const Refiner refiner = refine(testing::creasedBox(3, jitter, 5), 2);
+    const Complex &c = refiner.complex(0), &f = refiner.finest();
+    for (int axis = 0; axis < 3; ++axis) {
+      Cochain<2> form(c);
+      for (Index k = 0; k < form.size(); ++k) {
+        form[k] = areaVector(c, refiner.positions(0), k)[axis];
+      }
+      const auto walls = refiner.refine(form, BoundaryMode::Walls);
+      for (Index k = 0; k < walls.size(); ++k) {
+        ASSERT_NEAR(walls[k], areaVector(f, refiner.positions(2), k)[axis], kExact);
+      }
+    }
+  }
+}
+
 TEST_P(AnyMesh, ZeroWallFluxStaysZeroInWalls) {
   const Refiner refiner = refine(GetParam().input, 2);
   const Complex& c = refiner.complex(0);
@@ -176,16 +194,66 @@ TEST_P(AnyMesh, ConstantFunctionsAreKept) {
   for (Index v = 0; v < fine.size(); ++v) EXPECT_NEAR(fine[v], 1, kExact);
 }
 
+/// All numbers that a refiner makes, in a row.
+class Numbers {
+ public:
+  template <int K>
+  void addForm(const Refiner& refiner, const Limit& limit, std::uint32_t seed) {
+    for (const BoundaryMode mode : {BoundaryMode::Walls, BoundaryMode::Open}) {
+      const auto fine = refiner.refine(randomForm<K>(refiner.complex(0), seed), mode);
+      all_.insert(all_.end(), fine.values().begin(), fine.values().end());
+      if constexpr (K == 0) {
+        const auto values = limit.values(fine);
+        all_.insert(all_.end(), values.begin(), values.end());
+      } else if constexpr (K == 3) {
+        const auto values = limit.densities(fine);
+        all_.insert(all_.end(), values.begin(), values.end());
+      } else {
+        addPoints(limit.vectors(fine, mode));
+      }
+    }
+  }
+  void addPoints(const Array<Vec3>& points) {
+    for (const Vec3& p : points) all_.insert(all_.end(), p.begin(), p.end());
+  }
+  bool operator==(const Numbers& other) const {
+    return all_.size() == other.all_.size() &&
+           std::memcmp(all_.data(), other.all_.data(), all_.size() * sizeof(double)) == 0;
+  }
+
+ private:
+  std::vector<double> all_;
+};
+
 TEST_P(AnyMesh, BytesDoNotDependOnThreads) {
   const auto run = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     const Refiner refiner = refine(GetParam().input, 2);
-    const auto form = randomForm<2>(refiner.complex(0), 9);
-    return refiner.refine(form, BoundaryMode::Walls).values();
+    const Limit limit(refiner);
+    Numbers numbers;
+    numbers.addPoints(refiner.positions(2));
+    numbers.addPoints(limit.positions());
+    numbers.addForm<0>(refiner, limit, 9);
+    numbers.addForm<1>(refiner, limit, 10);
+    numbers.addForm<2>(refiner, limit, 11);
+    numbers.addForm<3>(refiner, limit, 12);
+    return numbers;
   };
-  const auto one = run(1), two = run(2);
-  ASSERT_EQ(one.size(), two.size());
-  EXPECT_EQ(std::memcmp(one.data(), two.data(), one.size() * sizeof(double)), 0);
+  EXPECT_TRUE(run(1) == run(2));
+}
+
+TEST_P(AnyMesh, OneRefinerServesManyFormsAsIfEachHadItsOwn) {
+  const Refiner shared = refine(GetParam().input, 2);
+  for (const std::uint32_t frame : {20u, 21u, 20u}) {
+    const Refiner own = refine(GetParam().input, 2);
+    const Limit sharedLimit(shared), ownLimit(own);
+    Numbers together, alone;
+    together.addForm<1>(shared, sharedLimit, frame);
+    together.addForm<2>(shared, sharedLimit, frame);
+    alone.addForm<1>(own, ownLimit, frame);
+    alone.addForm<2>(own, ownLimit, frame);
+    EXPECT_TRUE(together == alone);
+  }
 }
 
 TEST_P(AnyMesh, FarFromTheOriginNothingChanges) {

@@ -127,6 +127,52 @@ class BadUsage(Case):
                        "1", "--frame", "9")
 
 
+class Extremes(Case):
+    """Assets at the edges of what numbers can hold."""
+
+    def asset(self, scale, flux):
+        path = self.path("extreme.octet.json")
+        with open(path, "w") as file:
+            json.dump({"octet": 1, "vertices": [[0, 0, 0], [scale, 0, 0], [0, scale, 0],
+                                                [0, 0, scale]], "tetrahedra": [[0, 1, 2, 3]],
+                       "forms": [{"name": "f", "degree": 2, "simplices": [[0, 1, 2]],
+                                  "values": [flux]}]}, file)
+        return path
+
+    def test_large_and_small(self):
+        out = self.path("a.vdb")
+        for scale, flux in ((1e29, 1e30), (1e-3, 1e-30), (1, 1e30), (1e6, 0)):
+            report = json.loads(self.succeed("bake", self.asset(scale, flux), "-o", out, "--json",
+                                             "--resolution", "12"))
+            grid, = report["files"][0]["grids"]
+            self.assertGreater(grid["active_voxels"], 100)
+            self.assertTrue(0 <= grid["max"] < 3e38, grid)
+
+    def test_what_floats_cannot_hold(self):
+        out = self.path("a.vdb")
+        asset = self.asset(1e-5, 1e30)
+        self.fail_with(2, "32-bit floats", "bake", asset, "-o", out, "--resolution", "12")
+        asset = self.asset(1, 1e5)
+        self.fail_with(2, "16-bit floats", "bake", asset, "-o", out, "--resolution", "12", "--half")
+        self.succeed("bake", asset, "-o", out, "--resolution", "12")
+
+    def test_voxels_too_small_for_openvdb(self):
+        self.fail_with(2, "voxel size", "bake", self.asset(1e-12, 1), "-o", self.path("a.vdb"),
+                       "--resolution", "12")
+
+    def test_a_far_vertex_of_no_cell_changes_nothing(self):
+        path = self.asset(1, 1)
+        with open(path) as file:
+            asset = json.load(file)
+        asset["vertices"].append([1e9, 0, 0])
+        with_stray = self.path("stray.octet.json")
+        with open(with_stray, "w") as file:
+            json.dump(asset, file)
+        reports = [json.loads(self.succeed("bake", p, "-o", self.path("a.vdb"), "--json",
+                                           "--resolution", "12")) for p in (path, with_stray)]
+        self.assertEqual(*[r["files"][0]["grids"] for r in reports])
+
+
 class BadOutput(Case):
     def outputs(self, name):
         """The commands that write a file, writing there."""

@@ -170,6 +170,104 @@ class Assets(Refused):
             self.assertNotIn("\x1b", result.stderr)
 
 
+class Meshes(Refused):
+    """Meshes of other programs. Skipped by a command that was built without Gmsh."""
+
+    FOLDER = os.path.join(command.DATA, "gmsh")
+
+    @classmethod
+    def setUpClass(cls):
+        if "without Gmsh" in OCTETVDB.run("info", os.path.join(cls.FOLDER, "two_tets.mesh")).stderr:
+            raise unittest.SkipTest("no Gmsh")
+
+    def read(self, name):
+        with open(os.path.join(self.FOLDER, name), "rb") as file:
+            return file.read()
+
+    def test_cut_off_anywhere(self):
+        """Refused, or, where nothing is lost but an ending, read as if whole."""
+        for name in sorted(os.listdir(self.FOLDER)):
+            if not name.endswith((".msh", ".mesh", ".vtk")):
+                continue
+            content = self.read(name)
+            whole = OCTETVDB.run("info", self.write(name, content)).stdout
+            step = len(content) // (6 if OCTETVDB.sanitized else 30) + 1
+            cuts = [*range(0, len(content), step), len(content) - 2]
+            os.makedirs(os.path.join(self.inputs, "cut"), exist_ok=True)
+            paths = [os.path.join(self.inputs, "cut", str(n), name) for n in cuts]
+            for n, path in zip(cuts, paths):
+                os.makedirs(os.path.dirname(path))
+                with open(path, "wb") as file:
+                    file.write(content[:n])
+            results = command.in_parallel(lambda p: OCTETVDB.run("info", p), paths)
+            accepted = 0
+            for n, path, result in zip(cuts, paths, results):
+                if result.returncode == 0:
+                    accepted += 1
+                    self.assertEqual(result.stdout, whole, (name, n))
+                    self.assertGreater(n, 0.8 * len(content), name)
+                else:
+                    self.assertIsNone(command.complaint(result), (name, n))
+                    self.assertTrue(result.stderr.startswith(command.PREFIX + path + ": "))
+            self.assertLess(accepted, len(cuts) // 2, name)
+            shutil.rmtree(os.path.join(self.inputs, "cut"))
+
+    def test_defects(self):
+        """One edit each, and what the answer has to tell."""
+        msh, old, medit, vtk = (self.read(n).decode() for n in
+                                ("two_tets_41.msh", "two_tets_22.msh", "two_tets.mesh",
+                                 "two_tets.vtk"))
+        tets = medit[medit.index("Tetrahedra"):]
+        cases = [
+            ("a.msh", "", "is empty"),
+            ("a.mesh", "", "is empty"),
+            ("a.vtk", "", "is empty"),
+            ("a.msh", "SystemCall \"true\";\n", "does not begin with $MeshFormat"),
+            ("a.msh", msh.replace("4.1 0 8", "9.9 0 8"), "version 9.9"),
+            ("a.msh", old.replace("2.2 0 8", "1.0 0 8"), "version 1.0"),
+            ("a.msh", msh.replace("4.1 0 8", "four"), "is no version"),
+            ("a.msh", msh[:msh.index("$Nodes")], ""),
+            ("a.msh", old[:old.index("$Elements")], "has no tetrahedra"),
+            ("a.msh", old.replace("$Elements\n9", "$Elements\n900"), ""),
+            ("a.msh", old.replace("$Elements\n9", "$Elements\n8"), "more rows"),
+            ("a.msh", old.replace("$Nodes\n6", "$Nodes\n999999999"), ""),
+            ("a.msh", old.replace("\n3 1 0 0\n", "\n3 1 nan 0\n"), ""),
+            ("a.msh", old.replace("\n3 1 0 0\n", "\n3 0 0 0\n"), "is degenerate"),
+            ("a.msh", old.replace("\n20 0 0 1\n", "\n10 0 0 1\n"), "node 10"),
+            ("a.msh", old.replace('"velocity"', '""'), "has no name"),
+            ("a.mesh", medit.replace("Dimension\n3", "Dimension\n2"), "the dimension is not 3"),
+            ("a.mesh", medit.replace("MeshVersionFormatted 2", "MeshVersionFormatted 7"), "version"),
+            ("a.mesh", medit.replace("Tetrahedra\n2", "Tetrahedra\n-2"), "is not the number"),
+            ("a.mesh", medit.replace("Tetrahedra\n2", "Tetrahedra\n3"), "Tetrahedra"),
+            ("a.mesh", medit.replace(tets, "End\n"), "has no tetrahedra"),
+            ("a.mesh", medit.replace(tets, tets.replace("1", "77", 1)), ""),
+            ("a.vtk", vtk.replace("# vtk DataFile Version 2.0", "# vtk DataFile Version 5.1"),
+             "up to version 4.2"),
+            ("a.vtk", vtk.replace("UNSTRUCTURED_GRID", "POLYDATA"), "UNSTRUCTURED_GRID"),
+            ("a.vtk", vtk.replace("ASCII", "TEXT"), "is neither ASCII nor BINARY"),
+            ("a.vtk", vtk[:-1], "cut off"),
+        ]
+        for number, (name, content, reason) in enumerate(cases):
+            os.mkdir(os.path.join(self.inputs, str(number)))
+            path = self.write(os.path.join(str(number), name), content.encode())
+            # Not a good file: the edit did take place.
+            self.assertNotIn(content, (msh, old, medit, vtk), number)
+            for said in self.check_all([path], every_command=False).values():
+                self.assertIn(reason, said, (number, name))
+
+    def test_other_cells(self):
+        for code, name in ((12, "hexahedra"), (14, "pyramids")):
+            n = 8 if code == 12 else 5
+            points = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)][:n]
+            order = {12: (0, 1, 3, 2, 4, 5, 7, 6), 14: (0, 1, 3, 2, 4)}[code]
+            text = ("# vtk DataFile Version 2.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                    f"POINTS {n} double\n" + "".join("%d %d %d\n" % p for p in points) +
+                    f"CELLS 1 {n + 1}\n{n} " + " ".join(map(str, order)) +
+                    f"\nCELL_TYPES 1\n{code}\n")
+            said = self.check_all([self.write("cells.vtk", text.encode())], every_command=False)
+            self.assertIn("1 " + name, list(said.values())[0])
+
+
 class Vdbs(Refused):
     """`info` of files that are no .vdb."""
 

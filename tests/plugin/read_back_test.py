@@ -152,6 +152,36 @@ class ReadBack(unittest.TestCase):
             for value in values:
                 self.assertAlmostEqual(value, DENSITY, delta=2e-6)
 
+    def test_frames_equal_separate_bakes(self):
+        """Each frame of an animated asset, as an asset of its own, makes the same grids."""
+        with open(os.path.join(os.path.dirname(oa.__file__), "animated",
+                               "animated.octet.json")) as file:
+            animated = json.load(file)
+
+        def bake(document, name):
+            asset = os.path.join(self.folder.name, name + ".octet.json")
+            with open(asset, "w") as file:
+                json.dump(document, file)
+            subprocess.run([OCTETVDB, "bake", asset, "-o", asset + ".vdb", "--resolution", "24"],
+                           check=True, capture_output=True)
+            return asset
+
+        whole = bake(animated, "animated")
+        frames = sorted({f for form in animated["forms"] for f in form.get("frames", {})}, key=int)
+        self.assertGreaterEqual(len(frames), 24)
+        for frame in (frames[0], frames[7], frames[-1]):
+            still = json.loads(json.dumps(animated))
+            for form in still["forms"]:
+                if "frames" in form:
+                    form["values"] = form.pop("frames")[frame]
+            alone = bake(still, "still") + ".vdb"
+            together = f"{whole}.{int(frame):04}.vdb"
+            for grid in vdb.readAllGridMetadata(alone):
+                a, b = (vdb.read(path, grid.name) for path in (alone, together))
+                self.assertGreater(a.activeVoxelCount(), 1000)
+                self.assertEqual([(i.min, i.value) for i in a.iterOnValues()],
+                                 [(i.min, i.value) for i in b.iterOnValues()])
+
     def test_half(self):
         path, _ = self.bake("--half", "--form", "flow")
         grid = vdb.read(path, "flow")
