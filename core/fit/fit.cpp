@@ -81,6 +81,9 @@ const FitOptions& checked(const FitOptions& options) {
   if (!(options.spacing >= 0) || !std::isfinite(options.spacing)) {
     throw InputError("spacing", "is not a number that is 0 or more");
   }
+  if (options.kind == FitKind::CurlFree && !options.openFacets.empty()) {
+    throw InputError("open facets", "are for fields that are fluxes, not for curl-free ones");
+  }
   if (options.kind == FitKind::CurlFree && !options.flux.empty()) {
     throw InputError("given flux", "is for fields that are fluxes, not for curl-free ones");
   }
@@ -110,6 +113,12 @@ struct Fit::State {
     GivenFlux result(static_cast<std::size_t>(c.facetCount()));
     for (Index f = 0; options.closedWalls && f < c.facetCount(); ++f) {
       if (c.facetOnBoundary(f)) result[f] = 0;
+    }
+    for (const Index f : options.openFacets) {
+      if (f < 0 || f >= c.facetCount() || !c.facetOnBoundary(f)) {
+        throw InputError("open facets", "facet " + std::to_string(f) + " is not on the boundary");
+      }
+      result[f].reset();
     }
     for (const auto& [f, outward] : options.flux) {
       if (f < 0 || f >= c.facetCount() || !c.facetOnBoundary(f)) {

@@ -22,6 +22,8 @@ struct FitOptions {
   /// No flux through boundary facets without `flux`. Exact for 2-forms; a curl-free field only
   /// comes near it, and its report says how near.
   bool closedWalls = true;
+  /// Boundary facets of the control mesh that the field may pass all the same; for 2-forms.
+  std::vector<Index> openFacets;
   /// Outward flux through boundary facets of the control mesh, by facet; for 2-forms.
   std::map<Index, double> flux;
   /// Details smaller than this, as a share of the domain's size (the cube root of its volume), are

@@ -17,11 +17,17 @@ of its vertices. Arrays that are called views are read-only, share the library's
 alive. Long calls release the GIL; they can be cancelled from their `progress` callback and by
 Ctrl-C. Errors are octetvdb.InputError, IoError and Cancelled, with `file`, `place` and `reason`.
 """
-from ._octetvdb import (BakedFile, BakeReport, Cancelled, Complex, ControlAsset, ControlMesh, Error,
-                        Field, Form, GridInfo, InputError, IoError, Refiner, ThreadLimit,
-                        __version__, bake, read_grid_info)
+from ._octetvdb import (BakedFile, BakeReport, CageQuality, Cancelled, Complex, ControlAsset,
+                        ControlMesh, Error, Field, Fit, FitReport, FitResult, Form, GridInfo,
+                        GuideConflict, GuideCurve, GuideReport, GuideVector, InputError, IoError,
+                        Refiner, ThreadLimit, __version__, bake, box_cage, cage_quality,
+                        fill_surface, read_grid_info, spaced_points, streamlines)
 from ._meshio import from_meshio, to_meshio
+from ._preview import preview
 
-__all__ = ["BakedFile", "BakeReport", "Cancelled", "Complex", "ControlAsset", "ControlMesh",
-           "Error", "Field", "Form", "GridInfo", "InputError", "IoError", "Refiner", "ThreadLimit",
-           "__version__", "bake", "from_meshio", "read_grid_info", "to_meshio"]
+__all__ = ["BakedFile", "BakeReport", "CageQuality", "Cancelled", "Complex", "ControlAsset",
+           "ControlMesh", "Error", "Field", "Fit", "FitReport", "FitResult", "Form", "GridInfo",
+           "GuideConflict", "GuideCurve", "GuideReport", "GuideVector", "InputError", "IoError",
+           "Refiner", "ThreadLimit", "__version__", "bake", "box_cage", "cage_quality",
+           "fill_surface", "from_meshio", "preview", "read_grid_info", "spaced_points",
+           "streamlines", "to_meshio"]

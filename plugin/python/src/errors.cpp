@@ -68,4 +68,13 @@ void bindErrors(py::module_& module) {
   py::register_local_exception_translator(&translate);
 }
 
+void useErrors(const py::module_& module) {
+  errorType = module.attr("Error").ptr();
+  inputErrorType = module.attr("InputError").ptr();
+  ioErrorType = module.attr("IoError").ptr();
+  cancelledType = module.attr("Cancelled").ptr();
+  for (PyObject* type : {errorType, inputErrorType, ioErrorType, cancelledType}) Py_INCREF(type);
+  py::register_local_exception_translator(&translate);
+}
+
 }  // namespace octet::python

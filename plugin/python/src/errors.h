@@ -10,4 +10,7 @@ namespace octet::python {
 /// library's to them.
 void bindErrors(pybind11::module_& module);
 
+/// Translates the library's exceptions to those of a module that has them.
+void useErrors(const pybind11::module_& module);
+
 }  // namespace octet::python

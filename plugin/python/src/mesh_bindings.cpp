@@ -237,7 +237,7 @@ Raises InputError naming the place ("tetrahedra[3]") and the reason.)")
             const auto& corners = self.cast<const ControlMesh&>().corners();
             return view(corners.data(), {static_cast<py::ssize_t>(corners.size())}, self);
           },
-          "int32 (n,): boundary vertices that stay where they are. A view.")
+          "int32 (n,): boundary vertices given to stay, beside those where creases end. A view.")
       .def_property_readonly(
           "complex",
           [](const ControlMesh& mesh) { return std::const_pointer_cast<Complex>(mesh.complex()); },

@@ -71,5 +71,8 @@ PYBIND11_MODULE(_octetvdb, module) {
   octet::python::bindField(module);
   octet::python::bindRefiner(module);
   octet::python::bindBake(module);
+  octet::python::bindCages(module);
+  octet::python::bindFit(module);
+  octet::python::bindStreamlines(module);
   octet::python::bindThreadLimit(module);
 }

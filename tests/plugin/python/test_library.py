@@ -264,7 +264,7 @@ def test_everything_is_documented_and_typed():
              if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
     public = {name for name in dir(compiled) if not name.startswith("_")}
     assert set(stubs) == public
-    assert public | {"__version__", "from_meshio", "to_meshio"} == set(octetvdb.__all__)
+    assert public | {"__version__", "from_meshio", "preview", "to_meshio"} == set(octetvdb.__all__)
     for name, node in stubs.items():
         thing = getattr(compiled, name)
         assert thing.__doc__, name

@@ -72,3 +72,10 @@ def test_convert(tmp_path, name):
     assert len(before.mesh.octahedra) == len(after.mesh.octahedra)
     for form in before.forms:
         assert np.allclose(after.form(form.name).coefficients(), form.coefficients())
+
+
+def test_fit_guides(tmp_path):
+    output = run("fit_guides.py", tmp_path / "rings.vdb")
+    assert number_after("flux through the walls:", output) == 0
+    assert number_after("lower ring:", output) < 5 and number_after("upper ring:", output) < 5
+    assert octetvdb.read_grid_info(str(tmp_path / "rings.vdb"))[0].active_voxels > 10000
