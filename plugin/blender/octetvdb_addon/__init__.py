@@ -3,8 +3,8 @@
 
 Thin over the Python module octetvdb, which is bundled with it. Modules: `library` finds that module;
 `problems` turns errors into reports; `properties` is what is stored in the .blend; `cage_mesh`,
-`guides` and `volume` translate between Blender's data and the library's; `cage`, `flow`, `preview`
-and `bake` are the operators, `panel` shows them.
+`guides`, `primitives`, `flow_data` and `volume` translate between Blender's data and the library's;
+`cage`, `flow`, `preview` and `bake` are the operators, `panel` shows them.
 """
 
 bl_info = {

@@ -68,16 +68,18 @@ def prepare(context, cage):
     if not frames:
         raise Problem("The last frame is before the first")
     found = _gather_frames(context, cage, frames)
-    fit_options = flow.fit_options(cage, control)
+    fit_options, walls = flow.fit_options(cage, control), flow.wall_options(cage, control)
     # Units and settings are read here: Blender's data belongs to the main thread.
     make_asset = functools.partial(flow_data.make_asset, control, flow_data.about(context, cage))
 
     def fit_and_bake(progress):
-        fit = octetvdb.Fit(control, progress=progress, **fit_options)
-        results = {frame: fit.solve(guides) for frame, guides in found.items()}
-        boundary = results[frames[0]].boundary
-        asset = make_asset(frames={frame: result.flux for frame, result in results.items()})
-        return octetvdb.bake(asset, path, boundary=boundary, progress=progress, **options)
+        make_fit = functools.lru_cache(lambda: octetvdb.Fit(control, progress=progress,
+                                                            **fit_options))
+        fluxes = {}
+        for frame, gathered in found.items():
+            fluxes[frame], boundary, _ = flow.solve(make_fit, control, gathered, walls)
+        return octetvdb.bake(make_asset(frames=fluxes), path, boundary=boundary, progress=progress,
+                             **options)
     return Job(fit_and_bake), frames
 
 
@@ -173,10 +175,17 @@ class OCTETVDB_OT_bake(bpy.types.Operator):
 
 
 def certificate(report):
-    """What the panel tells of a bake, one line each."""
-    grid = next(g for g in report.files[-1].grids if g.name == "velocity")
-    return "\n".join([f"{grid.active_voxels:,} voxels of {grid.voxel_size:.4g}",
-                      f"Speed up to {grid.max:.4g} per second"])
+    """What was measured of a bake, of the worst frame, one line each."""
+    grids = [next(g for g in file.grids if g.name == "velocity") for file in report.files]
+    worst = max(grids, key=lambda grid: grid.certificate.max_divergence)
+    found = worst.certificate
+    return "\n".join([
+        f"{found.active_voxels:,} voxels of {worst.voxel_size:.4g}",
+        f"Speed up to {found.max_speed:.4g} per second",
+        f"Divergence {found.max_divergence:.1e}, RMS {found.rms_divergence:.1e}",
+        "(times voxel size, of largest speed)",
+        f"Outflow {found.outflow:.1e} of {found.throughflow:.1e}",
+        *([worst.note] if worst.note else [])])
 
 
 _CLASSES = (OCTETVDB_OT_bake,)

@@ -2,7 +2,7 @@
 """The panel "OctetVDB" in the 3D viewport's sidebar."""
 import bpy
 
-from . import cage_mesh, flow_data, guides, library
+from . import cage_mesh, flow_data, guides, library, primitives
 
 
 class _Panel:
@@ -72,6 +72,15 @@ class OCTETVDB_PT_flow(_CagePanel, bpy.types.Panel):
             row.label(text=obj.name, icon="OUTLINER_OB_CURVE")
             if guides.SPEED in obj:
                 row.prop(obj, f'["{guides.SPEED}"]', text="Speed")
+        layout.operator_menu_enum("octetvdb.add_primitive", "kind", icon="EMPTY_AXIS")
+        for obj in primitives.objects(cage):
+            box = layout.column(align=True)
+            box.label(text=obj.name, icon="EMPTY_AXIS")
+            box.prop(obj.octetvdb, "strength")
+            if obj.octetvdb.primitive in ("VORTEX", "RING", "SOURCE"):
+                box.prop(obj.octetvdb, "core")
+            if obj.octetvdb.primitive == "NOISE":
+                box.prop(obj.octetvdb, "seed")
         layout.use_property_split = True
         layout.prop(settings, "walls")
         if settings.walls == "GROUP":

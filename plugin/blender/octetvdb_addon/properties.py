@@ -29,6 +29,7 @@ class OctetObject(bpy.types.PropertyGroup):
     """Of a cage: what flows in it and how it is baked. Of an empty: the primitive it is."""
     # Flow
     guides: CollectionProperty(type=OctetReference)
+    primitives: CollectionProperty(type=OctetReference)
     walls: EnumProperty(
         name="Walls", default="CLOSED",
         items=(("CLOSED", "Closed", "Nothing flows through the boundary"),

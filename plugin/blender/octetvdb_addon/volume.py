@@ -23,7 +23,8 @@ def load(context, cage, files, frames):
         # The file of frame f is numbered f: the first file's number, less the sequence's first.
         data.frame_offset = frames[0] - 1
     data.grids.load()
-    data.velocity_grid = "velocity"  # only a grid that is loaded can be named
+    if data.velocity_grid != "velocity":  # as it is by default; only a loaded grid can be named
+        data.velocity_grid = "velocity"
     if old is not None:
         unused, old.data = old.data, data
         for material in unused.materials:

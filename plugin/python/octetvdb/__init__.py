@@ -17,17 +17,21 @@ of its vertices. Arrays that are called views are read-only, share the library's
 alive. Long calls release the GIL; they can be cancelled from their `progress` callback and by
 Ctrl-C. Errors are octetvdb.InputError, IoError and Cancelled, with `file`, `place` and `reason`.
 """
-from ._octetvdb import (BakedFile, BakeReport, CageQuality, Cancelled, Complex, ControlAsset,
-                        ControlMesh, Error, Field, Fit, FitReport, FitResult, Form, GridInfo,
-                        GuideConflict, GuideCurve, GuideReport, GuideVector, InputError, IoError,
-                        Refiner, ThreadLimit, __version__, bake, box_cage, cage_quality,
-                        fill_surface, read_grid_info, spaced_points, streamlines)
+from ._octetvdb import (BakedFile, BakeReport, CageQuality, Cancelled, Certificate, Complex,
+                        ControlAsset, ControlMesh, CurlNoise, Error, Field, Fit, FitReport,
+                        FitResult, Form, GridInfo, GuideConflict, GuideCurve, GuideReport,
+                        GuideVector, InputError, IoError, PointSource, Refiner, RigidRotation,
+                        ThreadLimit, UniformFlow, VerifiedGrid, VortexLine, VortexRing, __version__,
+                        bake, box_cage, cage_quality, fill_surface, integrate, nearest_closed,
+                        read_grid_info, spaced_points, streamlines, verify)
 from ._meshio import from_meshio, to_meshio
 from ._preview import preview
 
-__all__ = ["BakedFile", "BakeReport", "CageQuality", "Cancelled", "Complex", "ControlAsset",
-           "ControlMesh", "Error", "Field", "Fit", "FitReport", "FitResult", "Form", "GridInfo",
-           "GuideConflict", "GuideCurve", "GuideReport", "GuideVector", "InputError", "IoError",
-           "Refiner", "ThreadLimit", "__version__", "bake", "box_cage", "cage_quality",
-           "fill_surface", "from_meshio", "preview", "read_grid_info", "spaced_points",
-           "streamlines", "to_meshio"]
+__all__ = ["BakedFile", "BakeReport", "CageQuality", "Cancelled", "Certificate", "Complex",
+           "ControlAsset", "ControlMesh", "CurlNoise", "Error", "Field", "Fit", "FitReport",
+           "FitResult", "Form", "GridInfo", "GuideConflict", "GuideCurve", "GuideReport",
+           "GuideVector", "InputError", "IoError", "PointSource", "Refiner", "RigidRotation",
+           "ThreadLimit", "UniformFlow", "VerifiedGrid", "VortexLine", "VortexRing", "__version__",
+           "bake", "box_cage", "cage_quality", "fill_surface", "from_meshio", "integrate",
+           "nearest_closed", "preview", "read_grid_info", "spaced_points", "streamlines",
+           "to_meshio", "verify"]

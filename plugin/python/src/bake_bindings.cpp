@@ -17,7 +17,7 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                      std::vector<std::string> forms, bool derivative, double voxelSize,
                      int resolution, std::optional<int> levels, const std::string& boundary,
                      const std::string& grid, const std::string& reconstruction,
-                     const std::string& target, bool half,
+                     const std::string& target, bool half, bool project, bool samplesOnly,
                      std::optional<std::pair<int, int>> frames, double zeta,
                      const py::object& progress) {
   BakeOptions options;
@@ -32,6 +32,8 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
   options.reconstruction = reconstructionChoice(reconstruction);
   options.target = target;
   options.half = half;
+  options.project = project;
+  options.samplesOnly = samplesOnly;
   options.frames = frames;
   options.zeta = zeta;
   options.progress = progressCallback(progress);
@@ -64,6 +66,11 @@ void bindGridInfo(py::module_& module) {
       .def_readonly("index_max", &VdbGridInfo::indexMax, "Highest active index, three integers.")
       .def_readonly("half", &VdbGridInfo::half, "Stored as 16-bit floats?")
       .def_property_readonly("metadata", &metadataOf, "The grid's metadata as a dict.")
+      .def_readonly("method", &VdbGridInfo::method,
+                    "How a vector grid was baked: \"circulations\" or \"samples\".")
+      .def_readonly("note", &VdbGridInfo::note, "What there is to say about that.")
+      .def_readonly("certificate", &VdbGridInfo::certificate,
+                    "A Certificate, of a vector grid that was just baked; else None.")
       .def("__repr__", [](const VdbGridInfo& g) {
         return "<octetvdb.GridInfo \"" + g.name + "\" " + g.type + ", " +
                std::to_string(g.activeVoxels) + " active voxels>";
@@ -94,8 +101,9 @@ void bindBake(py::module_& module) {
              py::arg("voxel_size") = 0.0, py::arg("resolution") = 0, py::arg("levels") = py::none(),
              py::arg("boundary") = "auto", py::arg("grid") = "collocated",
              py::arg("reconstruction") = "limit", py::arg("target") = "openvdb",
-             py::arg("half") = false, py::arg("frames") = py::none(),
-             py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
+             py::arg("half") = false, py::arg("project") = false, py::arg("samples_only") = false,
+             py::arg("frames") = py::none(), py::arg("zeta") = kDefaultZeta,
+             py::arg("progress") = py::none(),
              R"(Bakes an asset's forms into OpenVDB grids, one per form.
 
 path:           the .vdb to write; an animated asset becomes a sequence name.0001.vdb
@@ -109,6 +117,8 @@ grid:           "collocated" or "staggered"
 reconstruction: "limit" or "whitney"
 target:         "openvdb", "blender", "houdini", "arnold" or "renderman"
 half:           store 16-bit floats
+project:        replace forms that are not closed by the nearest closed ones
+samples_only:   sample staggered fluxes too, instead of conserving them exactly
 frames:         first and last frame of an animated asset; all by default
 zeta:           free weight of the octahedron's linear rule
 progress:       called as progress(stage, done, total, unit); returning False raises Cancelled

@@ -21,7 +21,9 @@ void bindField(py::module_& module);
 void bindRefiner(py::module_& module);
 void bindBake(py::module_& module);
 void bindCages(py::module_& module);
+void bindCertificate(py::module_& module);
 void bindFit(py::module_& module);
+void bindPrimitives(py::module_& module);
 void bindStreamlines(py::module_& module);
 
 /// A form together with the mesh that its simplices are numbered on.

@@ -70,9 +70,11 @@ PYBIND11_MODULE(_octetvdb, module) {
   octet::python::bindAsset(module);
   octet::python::bindField(module);
   octet::python::bindRefiner(module);
+  octet::python::bindCertificate(module);
   octet::python::bindBake(module);
   octet::python::bindCages(module);
   octet::python::bindFit(module);
+  octet::python::bindPrimitives(module);
   octet::python::bindStreamlines(module);
   octet::python::bindThreadLimit(module);
 }

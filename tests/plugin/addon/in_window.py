@@ -168,7 +168,7 @@ def picture():
         bpy.data.objects[name].hide_set(True)
     for child in cage().children:
         if child.name.endswith("Streamlines"):
-            child.color = (1.0, 0.5, 0.1, 1)
+            child.color, child.show_in_front = (1.0, 0.5, 0.1, 1), True
     cage().color = (0.1, 0.1, 0.1, 1)
     with bpy.context.temp_override(**viewport()):
         space.region_3d.view_rotation = mathutils.Euler((1.2, 0, 0.7)).to_quaternion()

@@ -247,3 +247,51 @@ def test_fit_cancels_while_it_solves(cube):
     stop_at[0] = 0
     with pytest.raises(octetvdb.Cancelled):
         fit.solve([octetvdb.GuideCurve("good", ring())])
+
+
+def test_primitives_are_their_fields(cube):
+    c = cube.complex
+    p, q, r = (cube.vertices[c.facets[:, k]] for k in range(3))
+    area, centre = np.cross(q - p, r - p) / 2, (p + q + r) / 3
+    along = cube.vertices[c.edges[:, 1]] - cube.vertices[c.edges[:, 0]]
+    middle = cube.vertices[c.edges].mean(axis=1)
+    for primitive, field in (
+            (octetvdb.UniformFlow([1, 2, 3]), lambda x: np.broadcast_to([1.0, 2, 3], x.shape)),
+            (octetvdb.RigidRotation([0.1, 0.2, 0.3], [0, 0, 2]),
+             lambda x: np.cross([0, 0, 2], x - [0.1, 0.2, 0.3]))):
+        flux = octetvdb.integrate(primitive, cube)
+        # Of a linear field the middle's value is the mean.
+        assert np.allclose(flux, np.einsum("ij,ij->i", field(centre), area), atol=1e-13)
+        assert np.abs(c.derivative(2, flux)).max() < 1e-13
+        circulation = octetvdb.integrate(primitive, cube, 1)
+        assert np.allclose(circulation, np.einsum("ij,ij->i", field(middle), along), atol=1e-13)
+    source = octetvdb.integrate(octetvdb.PointSource([0.1, 0.05, -0.03], 2.5), cube)
+    assert c.derivative(2, source).sum() == pytest.approx(2.5)
+    for primitive in (octetvdb.VortexLine([0, 0.1, 0], [0, 0, 1], 1.0, 0.1),
+                      octetvdb.VortexRing([0, 0, 0], [0, 0, 1], 0.5, 1.0, 0.1),
+                      octetvdb.CurlNoise(1.0, 1.0, 0.5, seed=3, waves=16)):
+        flux = octetvdb.integrate(primitive, cube)
+        assert np.abs(c.derivative(2, flux)).max() < 1e-10 * np.abs(flux).max()
+        closed = octetvdb.nearest_closed(cube, 2, flux, c.boundary_facets)
+        assert not closed[c.boundary_facets].any() and np.abs(closed).max() > 0
+        assert np.abs(c.derivative(2, closed)).max() < 1e-12 * np.abs(flux).max()
+    same = octetvdb.integrate(octetvdb.CurlNoise(1.0, 1.0, 0.5, seed=3, waves=16), cube)
+    other = octetvdb.integrate(octetvdb.CurlNoise(1.0, 1.0, 0.5, seed=4, waves=16), cube)
+    assert np.array_equal(same, flux) and not np.array_equal(other, flux)
+
+
+def test_bad_primitives_are_refused(cube):
+    for make in (lambda: octetvdb.UniformFlow([1, 2]), lambda: octetvdb.UniformFlow([np.nan, 0, 0]),
+                 lambda: octetvdb.VortexLine([0, 0, 0], [0, 0, 0], 1.0),
+                 lambda: octetvdb.VortexRing([0, 0, 0], [0, 0, 1], -1.0, 1.0),
+                 lambda: octetvdb.PointSource([0, 0, 0], 1.0, -1.0),
+                 lambda: octetvdb.CurlNoise(1.0, 0.0, 0.5),
+                 lambda: octetvdb.integrate(octetvdb.UniformFlow([1, 0, 0]), cube, 3),
+                 lambda: octetvdb.nearest_closed(cube, 0, np.zeros(cube.complex.vertex_count)),
+                 lambda: octetvdb.nearest_closed(cube, 2, np.zeros(cube.complex.facet_count), [10**6])):
+        with pytest.raises(octetvdb.InputError):
+            make()
+    with pytest.raises(octetvdb.Cancelled):
+        octetvdb.integrate(octetvdb.CurlNoise(1.0, 1.0, 0.5), cube, progress=lambda *report: False)
+    with pytest.raises(TypeError):
+        octetvdb.integrate("wind", cube)

@@ -194,7 +194,7 @@ def grids_of(path):
 
 @pytest.mark.parametrize("options", [
     {}, {"target": "blender"}, {"target": "houdini", "half": True}, {"grid": "staggered"},
-    {"reconstruction": "whitney"}, {"boundary": "open", "levels": 1}, {"zeta": -6.0},
+    {"reconstruction": "whitney"}, {"grid": "staggered", "samples_only": True}, {"project": True}, {"boundary": "open", "levels": 1}, {"zeta": -6.0},
 ])
 def test_bakes_equal_the_command_line_s(tmp_path, flow_asset, options):
     control = str(tmp_path / "a.octet.json")
@@ -203,7 +203,8 @@ def test_bakes_equal_the_command_line_s(tmp_path, flow_asset, options):
     report = octetvdb.bake(flow_asset, mine, voxel_size=0.1, **options)
     arguments = []
     for key, value in options.items():
-        arguments += [f"--{key}"] if value is True else [f"--{key}", str(value)]
+        option = {"samples_only": "--samples-only"}.get(key, f"--{key}")
+        arguments += [option] if value is True else [option, str(value)]
     done = subprocess.run([OCTETVDB, "bake", control, "-o", theirs, "--voxel-size", "0.1", "--json",
                            *arguments], check=True, capture_output=True, text=True)
     summary = json.loads(done.stdout)
@@ -217,6 +218,26 @@ def test_bakes_equal_the_command_line_s(tmp_path, flow_asset, options):
     (read,) = octetvdb.read_grid_info(mine)
     assert (read.name, read.active_voxels) == (grid.name, grid.active_voxels)
     assert grid.metadata["octet_form"] == "flow"
+
+
+def test_certificates_are_what_verify_finds(tmp_path, flow_asset):
+    path = str(tmp_path / "a.vdb")
+    for options in ({}, {"grid": "staggered"}, {"half": True}):
+        (grid,) = octetvdb.bake(flow_asset, path, voxel_size=0.1, **options).files[0].grids
+        (found,) = octetvdb.verify(path)
+        (named,) = octetvdb.verify(path, "flow")
+        assert found.name == "flow" and found.voxel_size == pytest.approx(0.1)
+        for member in (m for m in dir(grid.certificate) if not m.startswith("_")):
+            assert getattr(grid.certificate, member) == getattr(found.certificate, member), member
+            assert getattr(named.certificate, member) == getattr(found.certificate, member), member
+        assert found.certificate.half == ("half" in options)
+        assert found.certificate.max_divergence < (1e-3 if "half" in options else 2e-6)
+    (read,) = octetvdb.read_grid_info(path)
+    assert read.certificate is None
+    with pytest.raises(octetvdb.InputError, match="other"):
+        octetvdb.verify(path, "other")
+    with pytest.raises(octetvdb.InputError):
+        octetvdb.verify(str(tmp_path / "missing.vdb"))
 
 
 def test_animated_bakes_make_a_sequence(tmp_path, box):
