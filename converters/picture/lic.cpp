@@ -13,6 +13,8 @@ namespace {
 constexpr double kStep = 1;
 /// Contrast: this many standard deviations around the mean fill the range.
 constexpr double kDeviations = 2.2;
+/// Slower than this part of the fastest is rounding.
+constexpr double kStill = 1e-9;
 constexpr int kBand = 32;
 
 /// A number in [0, 1) that looks random (the finaliser of SplitMix64).
@@ -32,7 +34,13 @@ class Directions {
     for (std::size_t k = 0; k < flow_.size(); ++k) {
       const double* v = &slice.values[3 * k];
       flow_[k] = {v[g.rightAxis()], -v[g.upAxis()]};
+      still_ = std::max(still_, kStill * flow_[k].norm());
     }
+  }
+
+  /// Does a pixel's centre lie in the domain, and is there a flow?
+  bool flows(std::size_t pixel) const {
+    return slice_.inside[pixel] && flow_[pixel].norm() > still_;
   }
 
   /// Unit vector at a place; false outside and where nothing flows.
@@ -50,7 +58,7 @@ class Directions {
       sum += wx * wy * flow_[static_cast<std::size_t>(b) * g.width + a];
     }
     const double length = sum.norm();
-    if (!(length > 0)) return false;
+    if (!(length > still_)) return false;
     *direction = sum / length;
     return true;
   }
@@ -58,6 +66,7 @@ class Directions {
  private:
   const Slice& slice_;
   std::vector<Eigen::Vector2d> flow_;
+  double still_ = 0;
 };
 
 /// The Hann-weighted mean of a texture along the line through a pixel's centre.
@@ -85,11 +94,11 @@ float convolve(const Directions& directions, const std::vector<float>& texture,
   return static_cast<float>(sum / weights);
 }
 
-/// Shifts and scales the pixels inside to mean 1/2 and full contrast.
-void stretch(const Slice& slice, std::vector<float>* texture) {
+/// Shifts and scales the pixels where something flows to mean 1/2 and full contrast.
+void stretch(const Directions& directions, std::vector<float>* texture) {
   double sum = 0, squares = 0, count = 0;
   for (std::size_t k = 0; k < texture->size(); ++k) {
-    if (!slice.inside[k]) continue;
+    if (!directions.flows(k)) continue;
     const double t = (*texture)[k];
     sum += t;
     squares += t * t;
@@ -100,7 +109,7 @@ void stretch(const Slice& slice, std::vector<float>* texture) {
   const double deviation = std::sqrt(std::max(squares / count - mean * mean, 1e-12));
   for (std::size_t k = 0; k < texture->size(); ++k) {
     const double t = 0.5 + ((*texture)[k] - mean) / (2 * kDeviations * deviation);
-    (*texture)[k] = slice.inside[k] ? static_cast<float>(std::clamp(t, 0.0, 1.0)) : 0.5f;
+    (*texture)[k] = directions.flows(k) ? static_cast<float>(std::clamp(t, 0.0, 1.0)) : 0.5f;
   }
 }
 
@@ -123,11 +132,11 @@ std::vector<float> lineIntegralConvolution(const Slice& slice, double reach,
           [&](int k) {
             const int x = k % grid.width, y = first + k / grid.width;
             const std::size_t at = static_cast<std::size_t>(y) * grid.width + x;
-            if (slice.inside[at]) result[at] = convolve(directions, texture, grid, x, y, reach);
+            if (directions.flows(at)) result[at] = convolve(directions, texture, grid, x, y, reach);
           },
           256);
     }
-    stretch(slice, &result);
+    stretch(directions, &result);
     texture = std::move(result);
   }
   return texture;

@@ -22,9 +22,10 @@ constexpr double kBarGap = 26, kBarWidth = 20, kBarRoom = 100;
 constexpr int kAxisTicks = 6;
 constexpr double kTickLength = 5;
 /// Arrows stand this far apart. Lengths are in proportion to the vectors, such that this part of
-/// them is no longer than the distance; a few fast places must not make all others points. Those
-/// are cut off at the longest, in distances.
-constexpr double kArrowSpacing = 26, kUsual = 0.9, kLongestArrow = 1.1, kArrowThickness = 1.7;
+/// them is no longer than the distance (a few fast places must not make all others points), but the
+/// longest not more than so many distances. That is cut off, so that arrows do not overlap.
+constexpr double kArrowSpacing = 26, kUsual = 0.9, kMostUnusual = 3, kLongestArrow = 1.1,
+                 kArrowThickness = 1.7;
 /// Arrows shorter than this, in pixels, are left out.
 constexpr double kShortestArrow = 2;
 /// Reach of the convolution and how much of the brightness it modulates.
@@ -124,7 +125,8 @@ void drawArrows(const Subject& subject, const SliceGrid& grid, const Layout& l, 
   if (arrows.empty()) return;
   std::sort(lengths.begin(), lengths.end());
   const double usual =
-      lengths[static_cast<std::size_t>(kUsual * static_cast<double>(lengths.size() - 1))];
+      std::max(lengths[static_cast<std::size_t>(kUsual * static_cast<double>(lengths.size() - 1))],
+               lengths.back() / kMostUnusual);
   if (!(usual > 0)) return;
   for (const Arrow& arrow : arrows) {
     Canvas::Point half = arrow.vector / usual * spacing / 2;

@@ -26,9 +26,9 @@ constexpr double kHeadDistance = 0.4, kHeadLength = 6.5, kHeadRadius = 2.6;
 /// Arrows: how many, and how far apart when so many fill a cube.
 constexpr std::size_t kArrows = 300;
 constexpr double kPacking = 0.75;
-/// Of this part of the arrows none is longer than their distance allows; lengths are in proportion
-/// to speed.
-constexpr double kUsual = 0.8;
+/// Lengths are in proportion to speed. Of this part of the arrows none is longer than their
+/// distance allows, but the fastest is no more than so many times that long.
+constexpr double kUsual = 0.8, kMostUnusual = 2.5;
 constexpr double kArrowLength = 1.25, kShaftRadius = 0.035, kArrowHead = 0.36,
                  kArrowHeadRadius = 0.1;
 /// Points that measure the range of values.
@@ -194,7 +194,8 @@ class SceneBuilder {
     std::vector<double> sorted = speeds;
     std::sort(sorted.begin(), sorted.end());
     const double usual =
-        sorted[static_cast<std::size_t>(kUsual * static_cast<double>(sorted.size() - 1))];
+        std::max(sorted[static_cast<std::size_t>(kUsual * static_cast<double>(sorted.size() - 1))],
+                 sorted.back() / kMostUnusual);
     if (!(usual > 0)) return;
     const double unit = kArrowLength * distance / diagonal_;
     for (std::size_t k = 0; k < places.size(); ++k) {

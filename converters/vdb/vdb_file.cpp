@@ -10,7 +10,6 @@
 #include <limits>
 
 #include <openvdb/io/Compression.h>
-#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <tbb/enumerable_thread_specific.h>
 
@@ -19,6 +18,7 @@
 
 #include "../io/atomic_file.h"
 #include "measure_grid.h"
+#include "vdb_input.h"
 
 namespace octet {
 namespace {
@@ -363,32 +363,18 @@ void VdbFile::write(const std::string& path, const std::vector<VdbMetadata>& fil
 
 std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
                                      std::vector<VdbMetadata>* fileMetadata) {
-  initialize();
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
+  const VdbContents contents = readVdb(path);
+  if (fileMetadata) *fileMetadata = readMetadata(*contents.metadata);
   std::vector<VdbGridInfo> result;
-  try {
-    // OpenVDB takes what lies beyond the end of a file that is cut off for zeros, or for anything.
-    in.exceptions(std::ios::failbit | std::ios::badbit);
-    openvdb::io::Stream stream(in, /*delayLoad=*/false);
-    if (fileMetadata) *fileMetadata = readMetadata(*stream.getMetadata());
-    const openvdb::GridPtrVecPtr grids = stream.getGrids();
-    for (const openvdb::GridBase::Ptr& grid : *grids) {
-      VdbGridInfo info = describe(*grid);
-      measureRange<openvdb::FloatGrid>(*grid, &info) ||
-          measureRange<openvdb::Vec3SGrid>(*grid, &info) ||
-          measureRange<openvdb::DoubleGrid>(*grid, &info) ||
-          measureRange<openvdb::Vec3DGrid>(*grid, &info) ||
-          measureRange<openvdb::Int32Grid>(*grid, &info) ||
-          measureRange<openvdb::Int64Grid>(*grid, &info);
-      result.push_back(std::move(info));
-    }
-  } catch (const std::ios_base::failure&) {
-    throw InputError(path, "", "is not a readable .vdb: it is cut off or damaged");
-  } catch (const openvdb::Exception& e) {
-    throw InputError(path, "", std::string("is not a readable .vdb: ") + e.what());
-  } catch (const std::bad_alloc&) {
-    throw InputError(path, "", "is not a readable .vdb: it claims more memory than there is");
+  for (const openvdb::GridBase::Ptr& grid : *contents.grids) {
+    VdbGridInfo info = describe(*grid);
+    measureRange<openvdb::FloatGrid>(*grid, &info) ||
+        measureRange<openvdb::Vec3SGrid>(*grid, &info) ||
+        measureRange<openvdb::DoubleGrid>(*grid, &info) ||
+        measureRange<openvdb::Vec3DGrid>(*grid, &info) ||
+        measureRange<openvdb::Int32Grid>(*grid, &info) ||
+        measureRange<openvdb::Int64Grid>(*grid, &info);
+    result.push_back(std::move(info));
   }
   return result;
 }

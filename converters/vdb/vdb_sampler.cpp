@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdb_sampler.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <functional>
 
-#include <openvdb/openvdb.h>
-
 #include <octet/core/base/error.h>
+
+#include "vdb_input.h"
 
 namespace octet {
 namespace {
@@ -76,45 +73,36 @@ Box worldBox(const openvdb::GridBase& grid, const openvdb::CoordBBox& box) {
   return result;
 }
 
-openvdb::GridBase::Ptr readGrid(const std::string& path, const std::string& name) {
-  openvdb::initialize();
-  if (!std::ifstream(path)) {
-    throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
-  }
-  try {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
-    std::string names;
-    openvdb::GridBase::Ptr chosen;
-    const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
-    for (const openvdb::GridBase::Ptr& grid : *grids) {
-      names += (names.empty() ? "\"" : ", \"") + grid->getName() + "\"";
-      const bool vector = grid->isType<openvdb::Vec3SGrid>() || grid->isType<openvdb::Vec3DGrid>();
-      const bool scalar = grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::DoubleGrid>();
-      if (name.empty()) {
-        const bool better = !chosen || (chosen->isType<openvdb::FloatGrid>() ||
-                                        chosen->isType<openvdb::DoubleGrid>());
-        if ((vector && better) || (scalar && !chosen)) chosen = grid;
-      } else if (grid->getName() == name && !chosen) {
-        if (!vector && !scalar) {
-          throw InputError(path, "grid \"" + name + "\"",
-                           "holds " + grid->valueType() + ", not float, double, vec3s or vec3d");
-        }
-        chosen = grid;
+bool isVector(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
+}
+bool isScalar(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
+}
+
+/// The grid of that name; without one the first vector grid, else the first scalar one.
+openvdb::GridBase::Ptr chooseGrid(const openvdb::GridPtrVec& grids, const std::string& path,
+                                  const std::string& name) {
+  openvdb::GridBase::Ptr chosen;
+  std::string names;
+  for (const openvdb::GridBase::Ptr& grid : grids) {
+    names += (names.empty() ? "\"" : ", \"") + grid->getName() + "\"";
+    const bool usable = isVector(*grid) || isScalar(*grid);
+    if (name.empty()) {
+      if (usable && (!chosen || (isVector(*grid) && !isVector(*chosen)))) chosen = grid;
+    } else if (grid->getName() == name && !chosen) {
+      if (!usable) {
+        throw InputError(path, "grid \"" + name + "\"",
+                         "holds " + grid->valueType() + ", not float, double, vec3s or vec3d");
       }
+      chosen = grid;
     }
-    if (!chosen) {
-      throw InputError(path, "",
-                       name.empty() ? "has no grid of type float, double, vec3s or vec3d"
-                                    : "has no grid \"" + name + "\"; it has " +
-                                          (names.empty() ? "none" : names));
-    }
-    return file.readGrid(chosen->getName());
-  } catch (const openvdb::Exception& e) {
-    throw InputError(path, "", std::string("is not a readable .vdb: ") + e.what());
-  } catch (const std::bad_alloc&) {
-    throw InputError(path, "", "is not a readable .vdb: it claims more memory than there is");
   }
+  if (chosen) return chosen;
+  throw InputError(
+      path, "",
+      name.empty() ? "has no grid of type float, double, vec3s or vec3d"
+                   : "has no grid \"" + name + "\"; it has " + (names.empty() ? "none" : names));
 }
 
 }  // namespace
@@ -149,7 +137,7 @@ struct VdbSampler::State {
 };
 
 VdbSampler::VdbSampler(const std::string& path, const std::string& name) {
-  const openvdb::GridBase::Ptr grid = readGrid(path, name);
+  const openvdb::GridBase::Ptr grid = chooseGrid(*readVdb(path).grids, path, name);
   const auto state = std::make_shared<State>();
   state->use<openvdb::Vec3SGrid>(path, grid) || state->use<openvdb::FloatGrid>(path, grid) ||
       state->use<openvdb::Vec3DGrid>(path, grid) || state->use<openvdb::DoubleGrid>(path, grid);

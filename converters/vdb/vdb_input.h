@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <openvdb/openvdb.h>
+
+/// @file
+/// For the sources of this folder alone: it brings OpenVDB's headers.
+
+namespace octet {
+
+/// What a .vdb holds, all of it.
+struct VdbContents {
+  openvdb::GridPtrVecPtr grids;
+  openvdb::MetaMap::Ptr metadata;
+};
+
+/// Reads a .vdb by any program. OpenVDB does not look whether its stream has ended, and then takes
+/// sizes from what happens to be in memory; here a cut file is noticed where it ends.
+/// @throws InputError when the file cannot be read
+VdbContents readVdb(const std::string& path);
+
+}  // namespace octet
