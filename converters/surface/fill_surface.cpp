@@ -8,6 +8,7 @@
 #include <octet/core/base/error.h>
 #include <octet/core/cage/box_cage.h>
 #include <octet/core/cage/nesting.h>
+#include <octet/core/topology/overlap.h>
 
 #include "vdb_surface.h"
 
@@ -66,7 +67,8 @@ void checkSpacing(const TriangleSurface& surface, double spacing) {
 }
 
 /// @brief Fills and fits, and again without those interior vertices at which boundary vertices
-/// could not reach the surface: lattice vertices just deep enough, mostly, below a crowd of others.
+/// could not reach the surface, or cells came to overlap: lattice vertices just deep enough,
+/// mostly, below a crowd of others.
 class Fitting {
  public:
   Fitting(const TriangleSurface& surface, const SignedDistance& distance,
@@ -86,15 +88,26 @@ class Fitting {
       input.vertices = fitBoundary(
           filled, [&](const Vec3& p) { return closest_.find(p).position; }, fit_,
           &report->fit.emplace());
-      const auto& off = report->fit->offSurface;
-      if (off.empty() || attempt == kAttempts || !dropShallowest(filled, off)) {
-        return ControlMesh::build(std::move(input));
+      std::vector<Index> around = report->fit->offSurface;
+      const auto overlap = findOverlap(*filled.complex(), input.vertices);
+      if (overlap) {
+        for (const Index cell : {overlap->cell, overlap->other}) {
+          appendBoundary(*filled.complex(), cell, &around);
+        }
       }
+      const bool again = attempt < kAttempts && dropShallowest(filled, around);
+      if (!again && overlap) {
+        throw InputError("fit", "the surface is too narrow for this spacing: " +
+                                    ControlMesh::cellName(*filled.complex(), overlap->cell) +
+                                    " would overlap " +
+                                    ControlMesh::cellName(*filled.complex(), overlap->other));
+      }
+      if (!again) return ControlMesh::build(std::move(input));
     }
   }
 
  private:
-  static constexpr int kAttempts = 3;
+  static constexpr int kAttempts = 6;
   /// Interior vertices this much deeper than the threshold, in spacings, are kept.
   static constexpr double kSpare = 0.5;
   static constexpr std::size_t kMostDropped = 1000;
@@ -108,6 +121,12 @@ class Fitting {
       }
       return d;
     };
+  }
+
+  static void appendBoundary(const Complex& c, Index cell, std::vector<Index>* vertices) {
+    for (int i = 0; i < c.cellVertexCount(cell); ++i) {
+      if (c.vertexOnBoundary(c.cellVertex(cell, i))) vertices->push_back(c.cellVertex(cell, i));
+    }
   }
 
   /// Drops the shallowest interior vertex around each of some boundary vertices; false when none is

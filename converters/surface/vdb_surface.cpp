@@ -79,7 +79,8 @@ TriangleSurface readVdbSurface(const std::string& path, const SurfaceReadOptions
     openvdb::io::File file(path);
     file.open();
     std::string names;
-    for (const auto& grid : *file.readAllGridMetadata()) {
+    const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
+    for (const auto& grid : *grids) {
       names += (names.empty() ? "" : ", ") + grid->getName();
       const bool wanted = options.grid.empty() ? isScalar(*grid) : grid->getName() == options.grid;
       if (!found && wanted) found = grid;

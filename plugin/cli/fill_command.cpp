@@ -54,7 +54,9 @@ Json fillInput(const Arguments& arguments, ControlMesh* mesh) {
   try {
     *mesh = fillSurface(surface, arguments.fill, &report);
   } catch (const InputError& e) {
-    throw e.place() == "spacing" ? InputError("--spacing", e.reason()) : e.inFile(arguments.input);
+    throw e.place() == "spacing" ? InputError("--spacing", e.reason())
+    : e.place() == "fit"         ? InputError("--fit-boundary", e.reason())
+                                 : e.inFile(arguments.input);
   }
   Json summary = {{"surface_triangles", surface.triangles.size()},
                   {"bodies", report.bodies},
