@@ -34,10 +34,12 @@ def main(paths):
         unit = units[stage]
         # The counter is a rate by the wall clock.
         one = statistics.median(r[unit] * r["real_time"] / r["cpu_time"] for r in by_threads[1])
-        wall = {n: statistics.median(r["real_time"] for r in by_threads[n]) for n in (1, 2)}
+        wall = {n: statistics.median(r["real_time"] for r in by_threads[n]) for n in by_threads}
         target = f" (target {TARGETS[stage]:g})" if stage in TARGETS else ""
-        print(f"{mesh:13} {stage:13} {one / 1e6:6.2f} M {unit}{target:12}  "
-              f"two threads {wall[1] / wall[2]:.2f} x (target {TARGET_OF_TWO})")
+        print(f"{mesh:13} {stage:13} {one / 1e6:6.2f} M {unit}{target}", end="")
+        if 2 in wall:
+            print(f"; two threads {wall[1] / wall[2]:.2f} x (target {TARGET_OF_TWO})", end="")
+        print()
 
 
 if __name__ == "__main__":
