@@ -20,10 +20,20 @@ BoundaryMode modeOf(const ControlAsset& asset, const Form& form) {
   return BoundaryMode::Walls;
 }
 
-template <int K>
-Array<double> refined(const ControlAsset& asset, const Refiner& refiner, const Form& form,
-                      BoundaryMode mode, int frame) {
-  return refiner.refine(coefficients<K>(asset, form, frame), mode).values();
+/// `refine(form of degree K)` for the degree that the form has.
+template <typename Refine>
+Array<double> byDegree(const ControlAsset& asset, const Form& form, int frame,
+                       const Refine& refine) {
+  switch (form.degree) {
+    case 0:
+      return refine(coefficients<0>(asset, form, frame)).values();
+    case 1:
+      return refine(coefficients<1>(asset, form, frame)).values();
+    case 2:
+      return refine(coefficients<2>(asset, form, frame)).values();
+    default:
+      return refine(coefficients<3>(asset, form, frame)).values();
+  }
 }
 
 /// Writes lists a block of entries at a time, with reports in between.
@@ -65,12 +75,41 @@ class ReportingWriter {
   const ProgressCallback& progress_;
 };
 
-std::size_t entryCount(const ControlAsset& asset, const Refiner& refiner) {
-  const Complex& c = refiner.finest();
-  std::size_t count = refiner.positions(refiner.levels()).size() + c.edges.size() +
+std::size_t entryCount(const ControlAsset& asset, const Complex& c) {
+  std::size_t count = static_cast<std::size_t>(c.vertexCount()) + c.edges.size() +
                       static_cast<std::size_t>(c.facetCount()) + c.tets.size() + c.octs.size();
   for (const Form& form : asset.forms) count += static_cast<std::size_t>(c.count(form.degree));
   return count;
+}
+
+/// `valuesOf(form)` are dense coefficients on the finest level, `complex`.
+template <typename Values>
+void writeDocument(const ControlAsset& asset, const Complex& complex, const Array<Vec3>& positions,
+                   const Values& valuesOf, const std::string& path,
+                   const ProgressCallback& progress) {
+  ReportingWriter writer(path, entryCount(asset, complex), progress);
+  DocumentWriter& out = writer.out;
+  out.beginObject(6);
+  writer.table("vertices", positions);
+  writer.table("edges", complex.edges);
+  writer.array("facets", static_cast<std::size_t>(complex.facetCount()),
+               [&](std::size_t f) { out.row(complex.facetVertices(static_cast<Index>(f))); });
+  writer.table("tetrahedra", complex.tets);
+  writer.table("octahedra", complex.octs);
+  out.key("forms");
+  out.beginObject(asset.forms.size());
+  for (const Form& form : asset.forms) {
+    out.key(form.name);
+    out.beginObject(2);
+    out.key("degree");
+    out.value(static_cast<std::int64_t>(form.degree));
+    const Array<double> values = valuesOf(form);
+    writer.array("values", values.size(), [&](std::size_t k) { out.value(values[k]); });
+    out.endObject();
+  }
+  out.endObject();
+  out.endObject();
+  writer.finish();
 }
 
 }  // namespace
@@ -89,36 +128,42 @@ BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryC
   }
 }
 
+std::optional<BoundaryMethod> boundaryMethod(BoundaryChoice choice) {
+  switch (choice) {
+    case BoundaryChoice::Simple:
+      return BoundaryMethod::Simple;
+    case BoundaryChoice::Projection:
+      return BoundaryMethod::Projection;
+    case BoundaryChoice::Expansion:
+      return BoundaryMethod::Expansion;
+    default:
+      return std::nullopt;
+  }
+}
+
+const char* boundaryName(BoundaryChoice choice) {
+  constexpr const char* kNames[] = {"auto", "walls", "open", "simple", "projection", "expansion"};
+  return kNames[static_cast<int>(choice)];
+}
+
 void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
                           int frame, const std::string& path, const ProgressCallback& progress) {
-  const Complex& complex = refiner.finest();
-  ReportingWriter writer(path, entryCount(asset, refiner), progress);
-  DocumentWriter& out = writer.out;
-  out.beginObject(6);
-  writer.table("vertices", refiner.positions(refiner.levels()));
-  writer.table("edges", complex.edges);
-  writer.array("facets", static_cast<std::size_t>(complex.facetCount()),
-               [&](std::size_t f) { out.row(complex.facetVertices(static_cast<Index>(f))); });
-  writer.table("tetrahedra", complex.tets);
-  writer.table("octahedra", complex.octs);
-  out.key("forms");
-  out.beginObject(asset.forms.size());
-  for (const Form& form : asset.forms) {
+  const auto values = [&](const Form& form) {
     const BoundaryMode mode = boundaryMode(asset, form, choice);
-    out.key(form.name);
-    out.beginObject(2);
-    out.key("degree");
-    out.value(static_cast<std::int64_t>(form.degree));
-    const auto values = form.degree == 0   ? refined<0>(asset, refiner, form, mode, frame)
-                        : form.degree == 1 ? refined<1>(asset, refiner, form, mode, frame)
-                        : form.degree == 2 ? refined<2>(asset, refiner, form, mode, frame)
-                                           : refined<3>(asset, refiner, form, mode, frame);
-    writer.array("values", values.size(), [&](std::size_t k) { out.value(values[k]); });
-    out.endObject();
-  }
-  out.endObject();
-  out.endObject();
-  writer.finish();
+    return byDegree(asset, form, frame,
+                    [&](auto coarse) { return refiner.refine(std::move(coarse), mode); });
+  };
+  writeDocument(asset, refiner.finest(), refiner.positions(refiner.levels()), values, path,
+                progress);
+}
+
+void writeRefinedDocument(const ControlAsset& asset, const MethodRefiner& refiner, int frame,
+                          const std::string& path, const ProgressCallback& progress) {
+  const auto values = [&](const Form& form) {
+    return byDegree(asset, form, frame, [&](const auto& coarse) { return refiner.refine(coarse); });
+  };
+  const int finest = refiner.levels();
+  writeDocument(asset, refiner.complex(finest), refiner.positions(finest), values, path, progress);
 }
 
 }  // namespace octet

@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include <octet/core/boundary_methods/method_refiner.h>
 #include <octet/core/refine/refiner.h>
 
 #include "control_asset.h"
 
 namespace octet {
 
-/// How an asset's forms meet the boundary: as each form says (automaticMode), or all alike.
-enum class BoundaryChoice : std::uint8_t { Auto, Walls, Open };
+/// How an asset's forms meet the boundary: as each form says (automaticMode), or all alike; the
+/// last three are the thesis' methods.
+enum class BoundaryChoice : std::uint8_t { Auto, Walls, Open, Simple, Projection, Expansion };
+
+/// The thesis' method that a choice stands for, if it does: then MethodRefiner takes the place of
+/// Refiner.
+std::optional<BoundaryMethod> boundaryMethod(BoundaryChoice choice);
+/// The name that commands and files know a choice by.
+const char* boundaryName(BoundaryChoice choice);
 
 /// The mode for one form; of an animated form, one mode for all frames.
 BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryChoice choice);
@@ -21,5 +30,8 @@ BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryC
 void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
                           int frame, const std::string& path,
                           const ProgressCallback& progress = {});
+/// The same by one of the thesis' boundary methods.
+void writeRefinedDocument(const ControlAsset& asset, const MethodRefiner& refiner, int frame,
+                          const std::string& path, const ProgressCallback& progress = {});
 
 }  // namespace octet

@@ -2,6 +2,7 @@
 #include "subject.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "../vdb/vdb_sampler.h"
 
@@ -49,13 +50,48 @@ const Form* chooseForm(const ControlAsset& asset, const std::string& name) {
   return nullptr;
 }
 
+/// An asset refined in one of the two ways.
+struct Refined {
+  std::vector<std::shared_ptr<const Complex>> complexes;
+  Array<Vec3> positions;  // that fields are given on
+  std::unique_ptr<Refiner> refiner;
+  std::unique_ptr<Limit> limit;
+  std::unique_ptr<MethodRefiner> method;
+
+  Refined(const ControlMesh& mesh, const AssetSubjectOptions& options,
+          const RefinerOptions& refinement) {
+    if (const auto which = boundaryMethod(options.boundary)) {
+      method = std::make_unique<MethodRefiner>(mesh, *which, refinement);
+      for (int k = 0; k <= method->levels(); ++k) complexes.push_back(method->sharedComplex(k));
+      positions = options.reconstruction == Reconstruction::Limit
+                      ? method->fieldPositions()
+                      : method->positions(method->levels());
+      return;
+    }
+    refiner = std::make_unique<Refiner>(mesh, refinement);
+    limit = std::make_unique<Limit>(*refiner);
+    for (int k = 0; k <= refiner->levels(); ++k) complexes.push_back(refiner->sharedComplex(k));
+    positions = options.reconstruction == Reconstruction::Limit
+                    ? limit->positions()
+                    : refiner->positions(refiner->levels());
+  }
+  int levels() const { return static_cast<int>(complexes.size()) - 1; }
+  const Complex& complex(int level) const { return *complexes[static_cast<std::size_t>(level)]; }
+  const Complex& finest() const { return *complexes.back(); }
+};
+
 template <int K>
-void setField(const ControlAsset& asset, const Form& form, const Refiner& refiner,
-              const Limit& limit, const AssetSubjectOptions& options, Subject* subject) {
-  const BoundaryMode mode = boundaryMode(asset, form, options.boundary);
+void setField(const ControlAsset& asset, const Form& form, const Refined& refined,
+              const AssetSubjectOptions& options, Subject* subject) {
+  auto control = coefficients<K>(asset, form, options.frame);
+  const auto byMode = [&] {
+    const BoundaryMode mode = boundaryMode(asset, form, options.boundary);
+    return makeField(*refined.refiner, *refined.limit,
+                     refined.refiner->refine(std::move(control), mode), mode,
+                     options.reconstruction);
+  };
   const auto field =
-      makeField(refiner, limit, refiner.refine(coefficients<K>(asset, form, options.frame), mode),
-                mode, options.reconstruction);
+      refined.method ? refined.method->field(control, options.reconstruction) : byMode();
   subject->components = kComponents<K>;
   subject->sample = [field](const Vec3& point, double* value) {
     typename Piece<kComponents<K>>::Value v;
@@ -73,7 +109,7 @@ double meanEdge(const Complex& complex, const Array<Vec3>& positions) {
 
 /// Edge e of a level as a polyline of the finest level's vertices: halves of edge e are 2e and
 /// 2e + 1 on the next level, in order (scheme.md section 3).
-SubjectShape::Polyline refinedEdge(const Refiner& refiner, int level, Index edge,
+SubjectShape::Polyline refinedEdge(const Refined& refiner, int level, Index edge,
                                    const Array<Vec3>& positions) {
   const int steps = refiner.levels() - level;
   const Complex& finest = refiner.finest();
@@ -83,7 +119,7 @@ SubjectShape::Polyline refinedEdge(const Refiner& refiner, int level, Index edge
   return line;
 }
 
-SubjectShape assetShape(const ControlAsset& asset, const Refiner& refiner,
+SubjectShape assetShape(const ControlAsset& asset, const Refined& refiner,
                         const Array<Vec3>& positions, int meshLevel) {
   SubjectShape shape;
   const Complex& control = *asset.mesh.complex();
@@ -123,11 +159,8 @@ Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& optio
   refinement.levels = chooseLevels(*asset.mesh.complex(), options.levels);
   refinement.zeta = options.zeta;
   refinement.progress = options.progress;
-  const Refiner refiner(asset.mesh, refinement);
-  const Limit limit(refiner);
-  const Array<Vec3>& positions = options.reconstruction == Reconstruction::Limit
-                                     ? limit.positions()
-                                     : refiner.positions(refiner.levels());
+  const Refined refiner(asset.mesh, options, refinement);
+  const Array<Vec3>& positions = refiner.positions;
   Subject subject;
   subject.source = asset.name;
   subject.upAxis = asset.units.upAxis;
@@ -141,16 +174,16 @@ Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& optio
   subject.degree = form->degree;
   switch (form->degree) {
     case 0:
-      setField<0>(asset, *form, refiner, limit, options, &subject);
+      setField<0>(asset, *form, refiner, options, &subject);
       break;
     case 1:
-      setField<1>(asset, *form, refiner, limit, options, &subject);
+      setField<1>(asset, *form, refiner, options, &subject);
       break;
     case 2:
-      setField<2>(asset, *form, refiner, limit, options, &subject);
+      setField<2>(asset, *form, refiner, options, &subject);
       break;
     default:
-      setField<3>(asset, *form, refiner, limit, options, &subject);
+      setField<3>(asset, *form, refiner, options, &subject);
   }
   return subject;
 }

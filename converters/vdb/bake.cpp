@@ -93,10 +93,17 @@ class Baker {
     refinerOptions.levels = report_.levels;
     refinerOptions.zeta = options_.zeta;
     refinerOptions.progress = options_.progress;
-    refiner_ = std::make_unique<Refiner>(asset_.mesh, refinerOptions);
-    limit_ = std::make_unique<Limit>(*refiner_, options_.progress);
-    report_.cells = refiner_->finest().cellCount();
-    report_.meanEdge = meanEdge(refiner_->finest(), limit_->positions());
+    if (const auto method = boundaryMethod(options_.boundary)) {
+      method_ = std::make_unique<MethodRefiner>(asset_.mesh, *method, refinerOptions);
+      finest_ = method_->sharedComplex(method_->levels());
+    } else {
+      refiner_ = std::make_unique<Refiner>(asset_.mesh, refinerOptions);
+      limit_ = std::make_unique<Limit>(*refiner_, options_.progress);
+      finest_ = refiner_->sharedComplex(refiner_->levels());
+    }
+    report_.cells = finest_->cellCount();
+    report_.meanEdge =
+        meanEdge(*finest_, method_ ? method_->fieldPositions() : limit_->positions());
     report_.note = target_.note;
 
     const auto frames = frameRange();
@@ -260,6 +267,12 @@ class Baker {
     return file;
   }
 
+  /// Of the thesis' methods only expansion has limits.
+  bool limitFields() const {
+    return options_.reconstruction == Reconstruction::Limit &&
+           (!method_ || method_->method() == BoundaryMethod::Expansion);
+  }
+
   char upAxis() const { return target_.upAxis ? target_.upAxis : asset_.units.upAxis; }
 
   template <int K>
@@ -273,6 +286,9 @@ class Baker {
         control = std::move(closed.form);
         note = std::move(closed.note);
       }
+    }
+    if (method_) {
+      return addField<K>(form, method_->field(control, options_.reconstruction), mode, note, vdb);
     }
     if constexpr (K == 2) return addFlux(form, control, nullptr, mode, note, vdb);
     return add<K>(form, refiner_->refine(std::move(control), mode), mode, note, vdb);
@@ -296,6 +312,9 @@ class Baker {
       }
     }
     Cochain<K + 1> control = derivative<K>(form, frame.value_or(0));
+    if (method_) {
+      return addField<K + 1>(form, method_->field(control, options_.reconstruction), mode, "", vdb);
+    }
     if constexpr (K == 1) {
       const auto potential = coefficients<1>(asset_, form, frame.value_or(0));
       return addFlux(form, control, &potential, mode, "", vdb);
@@ -357,12 +376,18 @@ class Baker {
   template <int K>
   VdbGridInfo add(const Form& form, Cochain<K> finest, BoundaryMode mode, const std::string& note,
                   VdbFile* vdb) const {
-    auto field = makeField(*refiner_, *limit_, std::move(finest), mode, options_.reconstruction);
+    return addField<K>(
+        form, makeField(*refiner_, *limit_, std::move(finest), mode, options_.reconstruction), mode,
+        note, vdb);
+  }
+
+  template <int K>
+  VdbGridInfo addField(const Form& form, Field<kComponents<K>> field, BoundaryMode mode,
+                       const std::string& note, VdbFile* vdb) const {
     if (upAxis() != asset_.units.upAxis) {
       using Source = TurnedSource<kComponents<K>>;
-      const auto complex = refiner_->sharedComplex(refiner_->levels());
       field = Field<kComponents<K>>(
-          std::make_shared<Source>(field, complex, asset_.units.upAxis, upAxis()));
+          std::make_shared<Source>(field, finest_, asset_.units.upAxis, upAxis()));
     }
     VdbGridSpec spec = gridSpec<K>(form, mode);
     spec.note = note;
@@ -387,15 +412,15 @@ class Baker {
       spec.gridClass =
           K == 3 || target_.fogClass ? VdbGridSpec::Class::Fog : VdbGridSpec::Class::Unknown;
     }
-    spec.metadata = {
-        {"octet_form", form.name},
-        {"octet_degree", static_cast<std::int32_t>(K)},
-        {"octet_derivative", static_cast<std::int32_t>(options_.derivative)},
-        {"octet_unit", form.unit},
-        {"octet_levels", static_cast<std::int32_t>(report_.levels)},
-        {"octet_boundary", std::string(mode == BoundaryMode::Walls ? "walls" : "open")},
-        {"octet_reconstruction",
-         std::string(options_.reconstruction == Reconstruction::Limit ? "limit" : "whitney")}};
+    spec.metadata = {{"octet_form", form.name},
+                     {"octet_degree", static_cast<std::int32_t>(K)},
+                     {"octet_derivative", static_cast<std::int32_t>(options_.derivative)},
+                     {"octet_unit", form.unit},
+                     {"octet_levels", static_cast<std::int32_t>(report_.levels)},
+                     {"octet_boundary", std::string(method_ ? boundaryName(options_.boundary)
+                                                    : mode == BoundaryMode::Walls ? "walls"
+                                                                                  : "open")},
+                     {"octet_reconstruction", std::string(limitFields() ? "limit" : "whitney")}};
     return spec;
   }
 
@@ -409,6 +434,8 @@ class Baker {
   BakeReport report_;
   std::unique_ptr<Refiner> refiner_;
   std::unique_ptr<Limit> limit_;
+  std::unique_ptr<MethodRefiner> method_;  // in their place, for a method of the thesis
+  std::shared_ptr<const Complex> finest_;
 };
 
 }  // namespace

@@ -43,6 +43,9 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
                                    std::to_string(kMostLevels));
   }
   if (!std::isfinite(options.zeta)) throw InputError("zeta", "is not a finite number");
+  if (options.patchTest && options.boundaryRows == BoundaryRows::Star) {
+    throw InputError("boundary rows", "the patch test needs those of the surface");
+  }
   auto control = std::make_unique<Level>();
   control->complex = mesh.complex();
   control->positions = mesh.positions();
@@ -59,8 +62,9 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
     progress.report(LevelProgress::kTopology);
     fine->positions.resize(fine->complex->vertexCount());
     if (options.smooth) {
-      fine->smoothing = std::make_unique<Smoothing>(*fine->complex, fine->boundary, fine->sites,
-                                                    *kernels_, scratch_.get());
+      fine->smoothing =
+          std::make_unique<Smoothing>(*fine->complex, fine->boundary, fine->sites, *kernels_,
+                                      scratch_.get(), options.boundaryRows);
     }
     progress.report(LevelProgress::kSmoothing);
     Array<double> before(coarse.complex->vertexCount()), linear(fine->complex->vertexCount()),
@@ -75,7 +79,7 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
                          [&](Index v) { fine->positions[v][axis] = result[v]; });
     }
     progress.report(LevelProgress::kPositions);
-    if (options.smooth) {
+    if (options.smooth && options.patchTest) {
       fine->patchTest = std::make_unique<PatchTest>(*fine->complex, fine->boundary, linear_,
                                                     *kernels_, *fine->smoothing, scratch_.get(),
                                                     coarse.positions, fine->positions);

@@ -11,10 +11,12 @@
 namespace octet {
 
 struct RefinerOptions {
-  int levels = 1;               ///< number of subdivisions, 0 to 12
-  double zeta = kDefaultZeta;   ///< free weight of the octahedron's linear rule (LinearRules)
-  bool smooth = true;           ///< false: linear (Whitney) subdivision only; positions stay put
-  ProgressCallback progress{};  ///< called several times per level
+  int levels = 1;              ///< number of subdivisions, 0 to 12
+  double zeta = kDefaultZeta;  ///< free weight of the octahedron's linear rule (LinearRules)
+  bool smooth = true;          ///< false: linear (Whitney) subdivision only; positions stay put
+  bool patchTest = true;       ///< false: without the correction for constant fluxes
+  BoundaryRows boundaryRows = BoundaryRows::Surface;  ///< Star needs patchTest = false
+  ProgressCallback progress{};                        ///< called several times per level
 };
 
 /// @brief Subdivides a control mesh and the forms on it (scheme.md sections 3 to 8).
@@ -25,7 +27,8 @@ struct RefinerOptions {
 /// boundary modes. Memory is linear in the finest level. Const members are thread safe.
 class Refiner {
  public:
-  /// @throws InputError for levels out of range or more simplices than can be numbered.
+  /// @throws InputError for levels out of range, more simplices than can be numbered, or options
+  /// that exclude one another.
   explicit Refiner(const ControlMesh& mesh, const RefinerOptions& options = {});
   ~Refiner();
   Refiner(Refiner&&) noexcept;

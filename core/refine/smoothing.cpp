@@ -98,13 +98,14 @@ void multiply(const double (&matrix)[N][M], const double* input, double* out) {
 }  // namespace
 
 Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const LatticeSites& sites,
-                     const CellKernels& kernels, ScratchPool* scratch)
+                     const CellKernels& kernels, ScratchPool* scratch, BoundaryRows rows)
     : c_(*fine.coarse),
       f_(fine),
       boundary_(boundary),
       sites_(sites),
       kernels_(kernels),
       scratch_(scratch),
+      rows_(rows),
       stars_(c_) {
   classify();
 }
@@ -127,9 +128,9 @@ void Smoothing::classify() {
   });
   parallelFor<Index>(f_.edgeCount(), [&](Index e) {
     if (edges_[e] & kRegular) return;
-    if (!f_.edgeOnBoundary(e)) edges_[e] = kStarRow;
+    if (rows_ == BoundaryRows::Star || !f_.edgeOnBoundary(e)) edges_[e] = kStarRow;
     for (const Index v : f_.edges[e]) {
-      if (!f_.vertexOnBoundary(v)) storeRelaxed<std::uint8_t>(&vertices_[v], kNeedsRow);
+      if (byStar(v)) storeRelaxed<std::uint8_t>(&vertices_[v], kNeedsRow);
     }
   });
   parallelFor<Index>(f_.facetCount(), [&](Index f) {
@@ -152,6 +153,12 @@ void Smoothing::classify() {
   parallelFor<Index>(c_.cellCount(), [&](Index cell) {
     needsStarRows_[cell] = c_.isTet(cell) ? needs(Tetrahedron{}, cell) : needs(Octahedron{}, cell);
   });
+}
+
+/// Fine cells at an edge inside a coarse facet or octahedron: two of each cell.
+double Smoothing::cellsAtNewEdge(Index edge) const {
+  const Index facet = (edge - 2 * c_.edgeCount()) / 3;
+  return facet < c_.facetCount() && c_.facetOnBoundary(facet) ? 2.0 : 4.0;
 }
 
 /// D1 of interior vertices applied to the linear refinement of a 1-form, where `wanted(vertex)`.
@@ -180,6 +187,7 @@ void Smoothing::vertexRows(const double* coarseEdges, const Wanted& wanted, doub
 /// D1 of boundary vertices, `edge(EdgeRef)` giving the coefficients of a fine 1-form.
 template <typename Read>
 void Smoothing::boundaryVertexRows(const Read& edge, double* out) const {
+  if (rows_ == BoundaryRows::Star) return;
   parallelFor<Index>(boundary_.vertexCount(), [&](Index row) {
     out[boundary_.vertices[row]] = boundary_.vertexHomotopy(row, f_, edge);
   });
@@ -208,7 +216,7 @@ void Smoothing::edgeRows(const double* coarseFacets, const Correction& correctio
       multiply(kernelOf<Shape>(kernels_).edgeHomotopy, facets, values);
       for (int k = 0; k < Edges::kCount; ++k) {
         const Index e = closure.index[k];
-        const double cells = k < Edges::kHalves ? stars_.cellsAtEdge(e / 2) : 4.0;
+        const double cells = k < Edges::kHalves ? stars_.cellsAtEdge(e / 2) : cellsAtNewEdge(e);
         values[k] = edges_[e] & kStarRow ? values[k] * closure.sign[k] / cells : 0.0;
       }
     } else {
@@ -218,6 +226,7 @@ void Smoothing::edgeRows(const double* coarseFacets, const Correction& correctio
   };
   stars_.edges(scratch_, fill, out);
   if (patchTest) patchTest->finish(correction.mode, coarseFacets, out);
+  if (rows_ == BoundaryRows::Star) return;
   parallelFor<Index>(boundary_.edgeCount(), [&](Index k) {
     double sum = 0;
     for (auto term = boundary_.edgeTermsBegin(k); term != boundary_.edgeTermsEnd(k); ++term) {
@@ -249,7 +258,7 @@ void Smoothing::apply0(const double* coarse, const double* linear, double* out) 
   coboundary0(c_, coarse, edges.data());
   // At a regular vertex, too, the mean over the star is the average over translates.
   vertexRows(
-      edges.data(), [&](Index v) { return !f_.vertexOnBoundary(v); }, out);
+      edges.data(), [&](Index v) { return byStar(v); }, out);
   boundaryVertexRows(
       [&](EdgeRef e) {
         return e.sign() * (linear[f_.edges[e.index()][1]] - linear[f_.edges[e.index()][0]]);

@@ -17,6 +17,13 @@ enum class BoundaryMode : std::uint8_t {
   Open,   ///< constants are exact everywhere, flux through a curved wall is not kept at zero
 };
 
+/// The rows of D1 and D2 of boundary simplices.
+enum class BoundaryRows : std::uint8_t {
+  Surface,  ///< on the boundary surface, which becomes an ordinary subdivision surface
+  Star,     ///< means over the cells there are, as inside (the thesis' original rule, Fig. 5.5):
+            ///< what is missing outside pulls the boundary in
+};
+
 /// The correction of D2 by the patch test (patch_test.h) and the boundary mode it is used in.
 struct Correction {
   const PatchTest* patchTest = nullptr;  ///< null: none
@@ -34,7 +41,8 @@ struct Correction {
 class Smoothing {
  public:
   Smoothing(const Complex& fine, const Boundary& boundary, const LatticeSites& sites,
-            const CellKernels& kernels, ScratchPool* scratch);
+            const CellKernels& kernels, ScratchPool* scratch,
+            BoundaryRows rows = BoundaryRows::Surface);
 
   void apply0(const double* coarse, const double* linear, double* out) const;
   void apply1(const double* coarse, const double* linear, const Correction& correction,
@@ -45,6 +53,11 @@ class Smoothing {
 
  private:
   void classify();
+  /// Is the vertex smoothed by a mean over its star?
+  bool byStar(Index vertex) const {
+    return rows_ == BoundaryRows::Star || !f_.vertexOnBoundary(vertex);
+  }
+  double cellsAtNewEdge(Index edge) const;
   template <typename Wanted>
   void vertexRows(const double* coarseEdges, const Wanted& wanted, double* out) const;
   template <typename Read>
@@ -58,6 +71,7 @@ class Smoothing {
   const LatticeSites& sites_;
   const CellKernels& kernels_;
   ScratchPool* scratch_;
+  BoundaryRows rows_;
   StarSums stars_;  // over coarse cells
   // Per fine simplex: RowFlag bits.
   Array<std::uint8_t> vertices_, edges_, facets_, cells_;

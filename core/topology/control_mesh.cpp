@@ -71,8 +71,14 @@ class Builder {
     buildStars();
     markBoundary();
     markCreases();
-    findLatticeRegions(&c_);
+    if (in_.cellRegions.empty()) {
+      findLatticeRegions(&c_);
+    } else {
+      c_.cellRegions = std::move(in_.cellRegions);
+      c_.cellFrames = std::move(in_.cellFrames);
+    }
     classifyVertices();
+    if (!in_.cellSigns.empty()) return std::move(in_.vertices);
     if (const auto overlap = findOverlap(c_, in_.vertices)) {
       throw InputError(ControlMesh::cellName(c_, overlap->cell),
                        "overlaps " + ControlMesh::cellName(c_, overlap->other));
@@ -183,6 +189,10 @@ class Builder {
   }
 
   void orientCells() {
+    if (!in_.cellSigns.empty()) {
+      c_.cellSigns = in_.cellSigns;
+      return;
+    }
     c_.cellSigns.resize(c_.cellCount());
     for (Index cell = 0; cell < c_.cellCount(); ++cell) {
       double longest = 0;

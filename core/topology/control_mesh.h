@@ -17,6 +17,13 @@ struct ControlMeshInput {
   /// that have more than two boundary facets.
   std::optional<std::vector<std::array<Index, 2>>> creases;
   std::vector<Index> corners;  ///< boundary vertices that stay, beside those where creases end
+  /// Lattice region and frame of each cell, tetrahedra first, where the mesh is a piece of one that
+  /// knows them (Complex::cellRegions, cellFrames); empty: found from the cells.
+  std::vector<Index> cellRegions;
+  Array<std::uint8_t> cellFrames;
+  /// Orientation of each cell, where it is not to be read off the positions: cells may then be
+  /// inside out and overlap in space (virtual layers); empty: from the positions.
+  Array<std::int8_t> cellSigns;
 };
 
 /// @brief A validated control mesh: positions, complex and boundary features (product.md, "Control

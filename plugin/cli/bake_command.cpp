@@ -142,13 +142,21 @@ void run(Arguments& arguments) {
 
 }  // namespace
 
-void addBoundary(CLI::App* command, BoundaryChoice* choice) {
-  addChoice<BoundaryChoice>(command, "--boundary", choice,
-                            {{"auto", BoundaryChoice::Auto},
-                             {"walls", BoundaryChoice::Walls},
-                             {"open", BoundaryChoice::Open}},
-                            "walls: what is zero at the boundary stays zero; open: constants are "
-                            "exact there; auto: walls for forms that are zero there");
+void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods) {
+  std::vector<std::pair<std::string, BoundaryChoice>> choices = {{"auto", BoundaryChoice::Auto},
+                                                                 {"walls", BoundaryChoice::Walls},
+                                                                 {"open", BoundaryChoice::Open}};
+  std::string help =
+      "walls: what is zero at the boundary stays zero; open: constants are exact there; auto: "
+      "walls for forms that are zero there";
+  if (methods) {
+    for (const auto other :
+         {BoundaryChoice::Simple, BoundaryChoice::Projection, BoundaryChoice::Expansion}) {
+      choices.emplace_back(boundaryName(other), other);
+    }
+    help += "; for comparison, the thesis' methods: simple, projection, expansion";
+  }
+  addChoice<BoundaryChoice>(command, "--boundary", choice, choices, help);
 }
 
 void addBake(CLI::App* program) {
@@ -177,7 +185,7 @@ void addBake(CLI::App* program) {
       ->add_option("--levels", arguments->levels,
                    "Subdivisions; auto: until the mean edge is at most 2 voxels")
       ->capture_default_str();
-  addBoundary(command, &options.boundary);
+  addBoundary(command, &options.boundary, true);
   addChoice<Sampling>(command, "--grid", &options.sampling,
                       {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}},
                       "Where a voxel's components are sampled");

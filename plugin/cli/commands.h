@@ -14,6 +14,7 @@
 namespace octet::cli {
 
 void addAdd(CLI::App* program);
+void addAnalyse(CLI::App* program);
 void addBake(CLI::App* program);
 void addFill(CLI::App* program);
 void addFit(CLI::App* program);
@@ -45,8 +46,8 @@ void addChoice(CLI::App* command, const std::string& option, T* value,
   command->add_option_function<std::string>(option, choose, help)->option_text(alternatives);
 }
 
-/// Adds --boundary.
-void addBoundary(CLI::App* command, BoundaryChoice* choice);
+/// Adds --boundary; `methods`: with those of the thesis, which MethodRefiner carries out.
+void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods = false);
 
 /// Refuses a --frame that the asset does not have.
 void checkFrame(const ControlAsset& asset, int frame);

@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1024))
       ->trigger_on_parse();
   octet::cli::addAdd(&program);
+  octet::cli::addAnalyse(&program);
   octet::cli::addBake(&program);
   octet::cli::addFill(&program);
   octet::cli::addFit(&program);

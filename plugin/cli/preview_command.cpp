@@ -174,7 +174,7 @@ void addSubjectOptions(CLI::App* command, const std::shared_ptr<Arguments>& argu
       ->add_option("--levels", arguments->levels,
                    "Subdivisions; auto: as many as stay below 100,000 cells")
       ->capture_default_str();
-  addBoundary(command, &asset.boundary);
+  addBoundary(command, &asset.boundary, true);
   addChoice<Reconstruction>(
       command, "--reconstruction", &asset.reconstruction,
       {{"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}},

@@ -42,6 +42,11 @@ void run(Arguments& arguments) {
   const ControlAsset asset = readAsset(arguments.control);
   checkSize(*asset.mesh.complex(), arguments.options.levels);
   if (arguments.frame) checkFrame(asset, *arguments.frame);
+  if (const auto method = boundaryMethod(arguments.boundary)) {
+    writeRefinedDocument(asset, MethodRefiner(asset.mesh, *method, arguments.options),
+                         arguments.frame.value_or(0), arguments.output, arguments.options.progress);
+    return;
+  }
   const Refiner refiner(asset.mesh, arguments.options);
   writeRefinedDocument(asset, refiner, arguments.boundary, arguments.frame.value_or(0),
                        arguments.output, arguments.options.progress);
@@ -70,10 +75,12 @@ void addRefine(CLI::App* program) {
   command->add_option("--levels", arguments->options.levels, "Subdivisions")
       ->check(CLI::Range(0, 12))
       ->required();
-  addBoundary(command, &arguments->boundary);
+  addBoundary(command, &arguments->boundary, true);
   command
       ->add_option("--zeta", arguments->options.zeta, "Free weight of the octahedron's linear rule")
       ->capture_default_str();
+  command->add_flag("!--linear", arguments->options.smooth,
+                    "Linear (Whitney) subdivision only, without smoothing");
   command->add_option("--frame", arguments->frame, "Frame of an animated asset");
   command->callback([arguments] { run(*arguments); });
 }

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_subdivision.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace octet {
+namespace {
+
+/// The star's shape has settled when a step leaves its coordinates' span up to this.
+constexpr double kSettled = 1e-14;
+constexpr int kMostSettlingSteps = 2000;
+
+/// A fine simplex in the place of a coarse one, and whether their stored orientations agree.
+struct Place {
+  Index fine = kNone;
+  double sign = 1;
+};
+
+/// Simplices of the fine star in the places of those of the coarse one.
+template <int K>
+std::vector<Place> places(const Complex& coarse, const Complex& fine, Index centre) {
+  std::vector<Place> result(static_cast<std::size_t>(coarse.count(K)));
+  coarse.visitVertexStar(centre, [&](const CellAtVertex& at) {
+    const Index child = coarse.cornerChild(fine, at.cell, at.place);
+    const int n = coarse.cellVertexCount(at.cell);
+    if constexpr (K == 2) {
+      for (int k = 0; k < coarse.cellFacetCount(at.cell); ++k) {
+        const FacetRef from = coarse.cellFacet(at.cell, k), to = fine.cellFacet(child, k);
+        result[from.index()] = {to.index(), from.sign() * to.sign()};
+      }
+    } else {
+      for (int i = 0; i < n; ++i) {
+        if (K == 0) result[coarse.cellVertex(at.cell, i)] = {fine.cellVertex(child, i), 1};
+        for (int j = i + 1; j < n && K == 1; ++j) {
+          if (n == 6 && Octahedron::opposite[i] == j) continue;
+          const EdgeRef from = coarse.cellEdge(at.cell, i, j), to = fine.cellEdge(child, i, j);
+          result[from.index()] = {to.index(), from.sign() * to.sign()};
+        }
+      }
+    }
+  });
+  return result;
+}
+
+/// Centre at the origin, spread 1 in all directions: what an affine map can undo.
+Eigen::MatrixXd normalised(Eigen::MatrixXd x, Index centre) {
+  const Eigen::RowVectorXd origin = x.row(centre);
+  x.rowwise() -= origin;
+  const Eigen::Matrix3d spread = x.transpose() * x / static_cast<double>(x.rows());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(spread);
+  return x * eigen.operatorInverseSqrt();
+}
+
+}  // namespace
+
+LocalSubdivision::LocalSubdivision(const Refiner& refiner, int level, Index vertex,
+                                   const LocalSubdivisionOptions& options)
+    : options_(options) {
+  cutOut(refiner, level, vertex);
+  if (options.settle) settle();
+  const ControlMesh mesh = ControlMesh::build(input_);
+  star_ = mesh.complex();
+  positions_ = mesh.positions();
+}
+
+void LocalSubdivision::cutOut(const Refiner& refiner, int level, Index vertex) {
+  if (level < 0 || level > refiner.levels()) {
+    throw InputError("level", std::to_string(level) + " is not between 0 and " +
+                                  std::to_string(refiner.levels()));
+  }
+  const Complex& c = refiner.complex(level);
+  if (vertex < 0 || vertex >= c.vertexCount()) {
+    throw InputError("vertex", std::to_string(vertex) + " is out of range, level " +
+                                   std::to_string(level) + " has " +
+                                   std::to_string(c.vertexCount()) + " vertices");
+  }
+  type_ = c.vertexTypes[vertex];
+  std::vector<Index> cells;
+  c.visitVertexStar(vertex, [&](const CellAtVertex& at) { cells.push_back(at.cell); });
+  if (cells.empty()) {
+    throw InputError("vertex", std::to_string(vertex) + " belongs to no cell");
+  }
+  std::sort(cells.begin(), cells.end());
+  for (const Index cell : cells) {
+    for (int i = 0; i < c.cellVertexCount(cell); ++i) vertices_.push_back(c.cellVertex(cell, i));
+  }
+  std::sort(vertices_.begin(), vertices_.end());
+  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  const auto local = [&](Index v) {
+    return static_cast<Index>(std::lower_bound(vertices_.begin(), vertices_.end(), v) -
+                              vertices_.begin());
+  };
+  for (const Index cell : cells) {
+    input_.cellRegions.push_back(c.cellRegions[cell]);
+    input_.cellFrames.push_back(c.cellFrames[cell]);
+  }
+  for (const Index v : vertices_) input_.vertices.push_back(refiner.positions(level)[v]);
+  for (const Index cell : cells) {
+    if (c.isTet(cell)) {
+      auto& tet = input_.tets.emplace_back();
+      for (int i = 0; i < 4; ++i) tet[i] = local(c.cellVertex(cell, i));
+    } else {
+      auto& oct = input_.octs.emplace_back();
+      for (int i = 0; i < 6; ++i) oct[i] = local(c.cellVertex(cell, i));
+    }
+  }
+  centre_ = local(vertex);
+  // The boundary's own features at the vertex; what the cut makes boundary is smooth.
+  input_.creases.emplace();
+  const Boundary& boundary = refiner.boundary(level);
+  const Index row = boundary.row(vertex);
+  if (row == kNone) return;
+  for (const RingStep* step = boundary.ringBegin(row); step != boundary.ringEnd(row); ++step) {
+    const Index e = step->edge.index();
+    if (!step->firstOfEdge || !(c.edgeFlags[e] & kOnCrease)) continue;
+    input_.creases->push_back({local(c.edges[e][0]), local(c.edges[e][1])});
+  }
+  if (boundary.kinds[row] == BoundaryKind::Corner) input_.corners.push_back(centre_);
+}
+
+Refiner LocalSubdivision::refine() const {
+  RefinerOptions options;
+  options.levels = 1;
+  options.zeta = options_.zeta;
+  options.patchTest = options_.patchTest;
+  return Refiner(ControlMesh::build(input_), options);
+}
+
+void LocalSubdivision::settle() {
+  {
+    const ControlMesh mesh = ControlMesh::build(input_);
+    star_ = mesh.complex();
+  }
+  const Eigen::MatrixXd step = matrix<0>();
+  Eigen::MatrixXd x(input_.vertices.size(), 3);
+  for (std::size_t v = 0; v < input_.vertices.size(); ++v) {
+    x.row(static_cast<Eigen::Index>(v)) = input_.vertices[v];
+  }
+  x = normalised(x, centre_);
+  for (int k = 0; k < kMostSettlingSteps; ++k) {
+    const Eigen::MatrixXd next = normalised(step * x, centre_);
+    const double left = (next - x * x.householderQr().solve(next)).norm() / next.norm();
+    x = next;
+    if (left < kSettled) break;
+  }
+  for (std::size_t v = 0; v < input_.vertices.size(); ++v) {
+    input_.vertices[v] = x.row(static_cast<Eigen::Index>(v));
+  }
+}
+
+template <int K>
+Eigen::MatrixXd LocalSubdivision::matrix() const {
+  static_assert(K >= 0 && K <= 2, "masses are refined cell by cell");
+  const Refiner refiner = refine();
+  const Complex& c = refiner.complex(0);
+  const auto rows = places<K>(c, refiner.complex(1), centre_);
+  Eigen::MatrixXd result(c.count(K), c.count(K));
+  for (Index column = 0; column < c.count(K); ++column) {
+    Cochain<K> unit(c);
+    unit[column] = 1;
+    const Cochain<K> fine = refiner.step(0, unit, options_.mode);
+    for (Index row = 0; row < c.count(K); ++row) {
+      result(row, column) = rows[row].sign * fine[rows[row].fine];
+    }
+  }
+  return result;
+}
+
+template <int K>
+Eigen::MatrixXd LocalSubdivision::constants() const {
+  Eigen::MatrixXd result(star_->count(K), 3);
+  for (Index s = 0; s < star_->count(K); ++s) {
+    if constexpr (K == 1) {
+      const auto& [a, b] = star_->edges[s];
+      result.row(s) = positions_[b] - positions_[a];
+    } else {
+      const auto [a, b, c] = star_->facetVertices(s);
+      result.row(s) = (positions_[b] - positions_[a]).cross(positions_[c] - positions_[a]) / 2;
+    }
+  }
+  return result;
+}
+
+template Eigen::MatrixXd LocalSubdivision::matrix<0>() const;
+template Eigen::MatrixXd LocalSubdivision::matrix<1>() const;
+template Eigen::MatrixXd LocalSubdivision::matrix<2>() const;
+template Eigen::MatrixXd LocalSubdivision::constants<1>() const;
+template Eigen::MatrixXd LocalSubdivision::constants<2>() const;
+
+}  // namespace octet

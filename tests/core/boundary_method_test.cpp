@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the thesis' boundary methods claim (its chapter 5): constants, commutation with d, the
+// lattice, and what they are known to spoil.
+#include <gtest/gtest.h>
+
+#include <octet/core/boundary_methods/method_refiner.h>
+#include <octet/core/forms/coboundary.h>
+#include <octet/core/forms/de_rham.h>
+
+#include "tests/support/meshes.h"
+
+namespace octet {
+namespace {
+
+MethodRefiner refined(const ControlMeshInput& input, BoundaryMethod method, int levels) {
+  RefinerOptions options;
+  options.levels = levels;
+  return MethodRefiner(ControlMesh::build(input), method, options);
+}
+
+template <int K>
+Cochain<K> randomForm(const Complex& c, std::uint32_t seed) {
+  Cochain<K> form(c);
+  const auto values = testing::randomValues(form.size(), seed);
+  std::copy(values.begin(), values.end(), form.values().begin());
+  return form;
+}
+
+template <int K>
+double difference(const Cochain<K>& a, const Cochain<K>& b) {
+  double most = 0;
+  EXPECT_EQ(a.size(), b.size());
+  for (Index k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
+  return most;
+}
+
+/// Coefficients of a vector field on a level as the method places it.
+template <int K, typename Function>
+Cochain<K> integrals(const MethodRefiner& refiner, int level, const Function& field) {
+  const DeRham deRham(refiner.complex(level), refiner.positions(level), 4);
+  if constexpr (K == 1) return deRham.edges(field);
+  if constexpr (K == 2) return deRham.facets(field);
+}
+
+template <int K, typename Function>
+double misses(const MethodRefiner& refiner, const Function& field) {
+  const auto coarse = integrals<K>(refiner, 0, field);
+  return difference(refiner.refine(coarse), integrals<K>(refiner, refiner.levels(), field));
+}
+
+Vec3 constantField(const Vec3&) { return Vec3(0.3, -1.1, 0.7); }
+Vec3 linearField(const Vec3& p) {
+  return Vec3(0.2 * p[1] - p[0], 0.5 * p[2] + p[0], 0.3 + p[0] - 0.4 * p[2]);
+}
+
+/// A convex piece of the lattice, an octahedron of side 2 n.
+ControlMeshInput octahedralBlock(int n) {
+  return testing::latticeBlock(
+      [n](int x, int y, int z) { return std::abs(x) + std::abs(y) + std::abs(z) <= 2 * n; }, 2 * n);
+}
+
+TEST(Expansion, ReproducesConstantsOnAnyMesh) {
+  for (const auto& mesh : testing::allKinds()) {
+    SCOPED_TRACE(mesh.name);
+    const auto refiner = refined(mesh.input, BoundaryMethod::Expansion, 2);
+    EXPECT_LT(misses<1>(refiner, constantField), 1e-11);
+    EXPECT_LT(misses<2>(refiner, constantField), 1e-11);
+  }
+}
+
+TEST(Expansion, CommutesWithTheDerivativeOnAnyMesh) {
+  for (const auto& mesh : testing::allKinds()) {
+    // Its virtual layer fills holes one cell wide, around which forms circulate.
+    if (mesh.name.find("holes") != std::string::npos) continue;
+    SCOPED_TRACE(mesh.name);
+    const auto refiner = refined(mesh.input, BoundaryMethod::Expansion, 2);
+    const Complex &c = refiner.complex(0), &f = refiner.complex(2);
+    const auto w0 = randomForm<0>(c, 1);
+    EXPECT_LT(difference(d(f, refiner.refine(w0)), refiner.refine(d(c, w0))), 1e-10);
+    const auto w1 = randomForm<1>(c, 2);
+    EXPECT_LT(difference(d(f, refiner.refine(w1)), refiner.refine(d(c, w1))), 1e-10);
+    const auto w2 = randomForm<2>(c, 3);
+    EXPECT_LT(difference(d(f, refiner.refine(w2)), refiner.refine(d(c, w2))), 1e-10);
+  }
+}
+
+TEST(Expansion, DoesNotShrinkALatticeBlock) {
+  // Thesis 5.4: the block, with its edges and corners, is what it was.
+  const auto input = octahedralBlock(2);
+  const auto refiner = refined(input, BoundaryMethod::Expansion, 3);
+  for (Index v = 0; v < refiner.complex(3).vertexCount(); ++v) {
+    const Vec3& p = refiner.positions(3)[v];
+    EXPECT_LT(p.cwiseAbs().sum(), 4 + 1e-12);
+    if (v < static_cast<Index>(input.vertices.size())) {
+      EXPECT_LT((p - input.vertices[v]).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(Expansion, ReproducesLinearFieldsOnALatticeBlock) {
+  // As the scheme does on the infinite lattice, at every level up to the boundary.
+  const auto refiner = refined(octahedralBlock(2), BoundaryMethod::Expansion, 2);
+  EXPECT_LT(misses<1>(refiner, linearField), 0.2);
+  EXPECT_LT(misses<2>(refiner, linearField), 0.2);
+}
+
+TEST(Expansion, IsTheSchemeItselfAwayFromTheBoundary) {
+  const auto input = octahedralBlock(3);
+  const auto refiner = refined(input, BoundaryMethod::Expansion, 1);
+  RefinerOptions options;
+  options.levels = 1;
+  const Refiner plain(ControlMesh::build(input), options);
+  const auto form = randomForm<2>(refiner.complex(0), 5);
+  const auto ours = refiner.refine(form), theirs = plain.refine(form, BoundaryMode::Walls);
+  int compared = 0;
+  for (Index f = 0; f < ours.size(); ++f) {
+    double reach = 0;
+    for (const Index v : refiner.complex(1).facetVertices(f)) {
+      reach = std::max(reach, refiner.positions(1)[v].cwiseAbs().sum());
+    }
+    if (reach > 3) continue;
+    ++compared;
+    EXPECT_NEAR(ours[f], theirs[f], 1e-13);
+  }
+  EXPECT_GT(compared, 100);
+}
+
+TEST(Projection, ReproducesConstantsOnAnyMesh) {
+  for (const auto& mesh : testing::allKinds()) {
+    SCOPED_TRACE(mesh.name);
+    const auto refiner = refined(mesh.input, BoundaryMethod::Projection, 2);
+    EXPECT_LT(misses<1>(refiner, constantField), 1e-11);
+    // Inside, an irregular mesh lacks the patch test.
+    if (mesh.name.find("lattice") == std::string::npos &&
+        mesh.name.find("ring") == std::string::npos) {
+      continue;
+    }
+    EXPECT_LT(misses<2>(refiner, constantField), 1e-11);
+  }
+}
+
+TEST(Projection, KeepsFlatWallsWhereTheyAre) {
+  const auto input = octahedralBlock(2);
+  const auto refiner = refined(input, BoundaryMethod::Projection, 3);
+  const Complex& c = refiner.complex(3);
+  for (Index v = 0; v < c.vertexCount(); ++v) {
+    if (!c.vertexOnBoundary(v)) continue;
+    EXPECT_NEAR(refiner.positions(3)[v].cwiseAbs().sum(), 4, 1e-12);
+  }
+}
+
+TEST(Simple, LosesTheBoundaryAndShrinks) {
+  const auto refiner = refined(octahedralBlock(2), BoundaryMethod::Simple, 2);
+  const Complex& c = refiner.complex(2);
+  const auto fine = refiner.refine(integrals<2>(refiner, 0, constantField));
+  for (Index f = 0; f < c.facetCount(); ++f) {
+    if (c.facetOnBoundary(f)) {
+      EXPECT_EQ(fine[f], 0);
+    }
+  }
+  double reach = 0;
+  for (Index v = 0; v < c.vertexCount(); ++v) {
+    reach = std::max(reach, refiner.positions(2)[v].cwiseAbs().sum());
+  }
+  EXPECT_LT(reach, 3.95);
+  EXPECT_GT(misses<2>(refiner, constantField), 1e-3);
+}
+
+TEST(MethodRefiner, HasTheTopologyOfRefiner) {
+  const auto input = testing::withOctahedra(testing::randomBall(60, 5));
+  RefinerOptions options;
+  options.levels = 2;
+  const Refiner plain(ControlMesh::build(input), options);
+  const auto refiner = refined(input, BoundaryMethod::Expansion, 2);
+  EXPECT_TRUE(refiner.complex(2).edges == plain.complex(2).edges);
+  EXPECT_TRUE(refiner.complex(2).octs == plain.complex(2).octs);
+}
+
+TEST(MethodRefiner, RefusesAFormOfAnotherMesh) {
+  const auto refiner = refined(testing::singleTetrahedron(), BoundaryMethod::Simple, 1);
+  EXPECT_THROW(refiner.refine(Cochain<1>(Array<double>(5, 0.0))), InputError);
+}
+
+TEST(MethodRefiner, FieldsReachUpToTheBoundary) {
+  const auto input = octahedralBlock(2);
+  for (const auto method : {BoundaryMethod::Projection, BoundaryMethod::Expansion}) {
+    const auto refiner = refined(input, method, 2);
+    const auto field = refiner.field(integrals<2>(refiner, 0, constantField));
+    Vec3 value;
+    for (const Vec3& p : {Vec3(0.1, 0.2, 0.3), Vec3(3.9, 0.02, 0.03), Vec3(1.3, 1.3, 1.39)}) {
+      ASSERT_TRUE(field.sample(p, &value));
+      EXPECT_LT((value - constantField(p)).norm(), 1e-10);
+    }
+    EXPECT_FALSE(field.sample(Vec3(2, 2, 2), &value));
+  }
+}
+
+}  // namespace
+}  // namespace octet
