@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "extension.h"
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <set>
@@ -75,11 +75,15 @@ Index placeIn(const std::vector<Index>& sorted, Index x) {
   return at != sorted.end() && *at == x ? static_cast<Index>(at - sorted.begin()) : kNone;
 }
 
-/// The x nearest to `guess` with A x = b.
+/// The x nearest to `guess` with A x = b. Rows may depend on one another: the square is shifted a
+/// little, which a few steps make up for.
 Eigen::VectorXd nearest(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, Eigen::VectorXd guess) {
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> square(a * a.transpose());
-  // Twice: the square's rounding is corrected by a second step.
-  for (int k = 0; k < 2; ++k) guess += a.transpose() * square.solve(b - a * guess);
+  constexpr double kShift = 1e-7;
+  constexpr int kSteps = 6;
+  Eigen::MatrixXd square = a * a.transpose();
+  square.diagonal().array() += kShift;
+  const Eigen::LLT<Eigen::MatrixXd> factors(square);
+  for (int k = 0; k < kSteps; ++k) guess += a.transpose() * factors.solve(b - a * guess);
   return guess;
 }
 
@@ -162,16 +166,21 @@ class Extension::Builder {
     for (const auto& [s, w] : guess) {
       for (const Index v : verticesOf<K>(c_, s)) around.insert(v);
     }
+    // First the cells that lie between the simplices that are read, then all around them.
     for (int ring = 0;; ++ring) {
-      std::set<Index> cells;
+      std::map<Index, int> corners;
       for (const Index v : around) {
-        c_.visitVertexStar(v, [&](const CellAtVertex& at) { cells.insert(at.cell); });
+        c_.visitVertexStar(v, [&](const CellAtVertex& at) { ++corners[at.cell]; });
       }
-      const double missed = solve<K>(simplex, wanted, guess, cells);
-      if (missed < kMissed) return true;
+      std::set<Index> cells;
+      for (const auto& [cell, count] : corners) {
+        if (ring > 0 || count > K) cells.insert(cell);
+      }
+      if (!cells.empty() && solve<K>(simplex, wanted, guess, cells) < kMissed) return true;
       if (ring == kMostRings || cells.size() == static_cast<std::size_t>(c_.cellCount())) {
         return false;
       }
+      if (ring == 0) continue;
       for (const Index cell : cells) {
         for (const Index v : verticesOf<3>(c_, cell)) around.insert(v);
       }
@@ -193,8 +202,14 @@ class Extension::Builder {
         a(placeIn(rows, face), k) += sign;
       }
     }
-    for (const auto& [s, w] : wanted) b[placeIn(rows, s)] = w;
-    for (const auto& [s, w] : guess) x[placeIn(columns, s)] = w;
+    for (const auto& [s, w] : wanted) {
+      const Index row = placeIn(rows, s);
+      if (row == kNone) return std::abs(w);  // outside the patch
+      b[row] = w;
+    }
+    for (const auto& [s, w] : guess) {
+      if (const Index column = placeIn(columns, s); column != kNone) x[column] = w;
+    }
     if constexpr (K == 1) {
       // Constant fluxes have the potential 1/2 x_a x x_b: continued exactly, so are they. About a
       // near origin and in units of the edge's length, for rounding.

@@ -107,7 +107,7 @@ class LatticeLayer {
   }
 
   /// Adds the cells that the lattice has at a site and the mesh has not.
-  void completeStar(const Int3& site) {
+  void completeStar(const Int3 site) {
     for (int k = 0; k < 8; ++k) {
       const Int3 cube = site - Int3{k >> 2 & 1, k >> 1 & 1, k & 1};
       if (!tets_.insert(cube).second) continue;
@@ -157,7 +157,7 @@ class LatticeLayer {
     };
     std::stable_sort(around.begin(), around.end(),
                      [&](Index a, Index b) { return distance(a) < distance(b); });
-    constexpr int kNearest = 8;  // squared, from a vertex beside an octahedron to its far side
+    constexpr int kNearest = 6;  // squared, from beside a cell to its far side
     for (int reach = kNearest;; reach *= 2) {
       const auto end = std::partition_point(around.begin(), around.end(),
                                             [&](Index v) { return distance(v) <= reach; });
