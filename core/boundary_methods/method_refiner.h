@@ -24,15 +24,18 @@ enum class BoundaryMethod : std::uint8_t {
 /// `exactly` for to rounding:
 /// - Simple: degree 0 refines exactly linear functions of position, forms lose their boundary; d
 ///   does not commute there. In the interior it is the scheme without its patch test.
-/// - Projection: constant circulations and fluxes exactly. The fit is made on the cells around a
+/// - Projection: constant circulations exactly, constant fluxes where the mesh inside is a lattice
+///   (elsewhere the scheme lacks its patch test here). The fit is made on the cells around a
 ///   boundary vertex, constants first, then what is left by d of quadratic potentials
 ///   (circulations) or d(linear) ^ d(quadratic) (fluxes), if the layer has twice as many
 ///   coefficients. Potentials are subdivided, as numbers at vertices, by the rule of degree 0; a
 ///   simplex takes the mean over its boundary vertices. Scaling: a boundary vertex does not move
 ///   along the normals of its facets, and potentials change along by their own slope. d does not
 ///   commute at the boundary: what is not d of a quadratic there is lost.
-/// - Expansion: constants exactly, and d commutes as in Refiner (extension.h, virtual_layer.h). On
-///   a lattice block everything is the scheme on the infinite lattice.
+/// - Expansion: constants exactly, and d commutes up to fluxes, so that what is curl-free or
+///   incompressible stays so; densities of irregular meshes are continued approximately
+///   (extension.h, virtual_layer.h). On a lattice block everything is the scheme on the infinite
+///   lattice.
 ///
 /// Const members are thread safe.
 class MethodRefiner {
