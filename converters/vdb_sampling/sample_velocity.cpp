@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 
 #include <octet/core/base/parallel.h>
@@ -147,15 +148,53 @@ class Sampler {
       form = map.facets(at);
     }
     frame->before = openness(form);
-    if (projection_) form = projection_->apply(form, options_.boundary == BoundaryRule::Zero);
+    const Cochain<K> wanted = form;
+    form = projected(std::move(form));
+    for (int k = 0; k < options_.corrections; ++k) form = corrected(wanted, std::move(form));
     frame->after = openness(form);
+    return form;
+  }
+
+  Cochain<K> projected(Cochain<K> form) const {
+    return projection_ ? projection_->apply(form, options_.boundary == BoundaryRule::Zero) : form;
+  }
+
+  VectorField limitField(const Cochain<K>& form) const {
+    const BoundaryMode mode = automaticMode(complex(), form);
+    return makeField(refiner_, limit_, refiner_.refine(form, mode), mode);
+  }
+
+  /// Adds what the limit field's own fluxes or circulations lack; nothing where a simplex reaches
+  /// out of the limit surface, as on a curved boundary.
+  Cochain<K> corrected(const Cochain<K>& wanted, Cochain<K> form) const {
+    const VectorField field = limitField(form);
+    // The limit is linear on the finest level.
+    double edge = 0;
+    for (const auto& [a, b] : refiner_.finest().edges) {
+      edge = std::max(edge, (limit_.positions()[b] - limit_.positions()[a]).norm());
+    }
+    const CompositeDeRham map(complex(), asset_->mesh.positions(), edge);
+    const auto at = [&](const Vec3& p) {
+      Vec3 v;
+      return field.sample(p, &v) ? v : Vec3(Vec3::Constant(NAN));
+    };
+    Cochain<K> lack;
+    if constexpr (K == 1) {
+      lack = map.edges(at);
+    } else {
+      lack = map.facets(at);
+    }
+    for (Index k = 0; k < lack.size(); ++k) {
+      lack[k] = std::isfinite(lack[k]) ? wanted[k] - lack[k] : 0.0;
+    }
+    lack = projected(std::move(lack));
+    for (Index k = 0; k < lack.size(); ++k) form[k] += lack[k];
     return form;
   }
 
   void measure(const VelocitySource& source, const Cochain<K>& form, SampledFrame* frame) const {
     const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints);
-    const BoundaryMode mode = automaticMode(complex(), form);
-    const VectorField field = makeField(refiner_, limit_, refiner_.refine(form, mode), mode);
+    const VectorField field = limitField(form);
     std::vector<Vec3> values(points.size());
     std::vector<std::uint8_t> inside(points.size());
     field.sample(points.data(), points.size(), values.data(), inside.data());
@@ -208,6 +247,7 @@ SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>&
   if (!(options.read.framesPerSecond > 0) || !std::isfinite(options.read.framesPerSecond)) {
     throw InputError("frames per second", "is not a positive number");
   }
+  if (options.corrections < 0) throw InputError("corrections", "are fewer than none");
   if (options.degree == 1) return Sampler<1>(asset, options).run(paths);
   if (options.degree == 2) return Sampler<2>(asset, options).run(paths);
   throw InputError("degree", std::to_string(options.degree) + " is neither 1 nor 2");

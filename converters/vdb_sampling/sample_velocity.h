@@ -20,6 +20,9 @@ struct SampleOptions {
   /// Take the nearest closed form instead: without divergence (degree 2) or curl (degree 1).
   bool closed = false;
   BoundaryRule boundary = BoundaryRule::Free;  ///< what that does with boundary coefficients
+  /// Subdivision smooths: the limit of a source's own fluxes is weaker than the source in what is
+  /// as small as a cell. Each correction adds to the coefficients what the limit's fluxes lack.
+  int corrections = 0;
   VelocityReadOptions read;
   int levels = 2;  ///< at which the limit field is compared with the source
   std::size_t mostPoints = std::size_t{1} << 20;  ///< of a frame at which they are compared

@@ -204,7 +204,7 @@ struct Fit::State {
     }
     const auto at = influence1->at(wallPoints, options.progress);
     std::vector<SparseRow> normals;
-    RowSum sum(c.coarse ? complex().edgeCount() : c.edgeCount());
+    RowSum sum(complex().edgeCount());
     for (std::size_t k = 0; k < wallPoints.size(); ++k) {
       const Vec3 normal = wallAreas[k].normalized();
       for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -137,6 +137,11 @@ void addSample(CLI::App* program) {
       command, "--boundary-flux", &options.boundary,
       {{"free", BoundaryRule::Free}, {"keep", BoundaryRule::Keep}, {"zero", BoundaryRule::Zero}},
       "What these do with coefficients on the boundary");
+  command
+      ->add_option("--corrections", options.corrections,
+                   "How often coefficients are corrected by what the smooth limit lacks")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
   addUnit(command, &options.read);
   command->add_option("--scale", options.read.scale, "Factor for the grid's numbers")
       ->capture_default_str();
@@ -148,6 +153,11 @@ void addSample(CLI::App* program) {
       ->add_option("--levels", options.levels,
                    "Subdivisions at which the limit field is compared with the source")
       ->check(CLI::Range(0, 6))
+      ->capture_default_str();
+  command
+      ->add_option("--compare", options.mostPoints,
+                   "Voxels of a frame at which they are compared, at most")
+      ->check(CLI::Range(1, 1 << 30))
       ->capture_default_str();
   command->add_option("--name", options.name, "Name of the form to write")->capture_default_str();
   command->add_option("--zeta", options.zeta, "Free weight of the octahedron's linear rule")

@@ -23,6 +23,10 @@ ELLIPSOIDS = [((0, 0, 0), (1.0, 0.85, 0.95)), ((0, -0.45, 1.15), (0.62, 0.62, 0.
               ((-0.42, -0.35, 1.95), (0.34, 0.3, 0.8)), ((0.42, -0.35, 1.95), (0.34, 0.3, 0.8)),
               ((0, 0.9, -0.35), (0.32, 0.32, 0.32))]
 
+VIEWS = {"box": ("--style", "lic", "--slice", "y=0.5", "--width", 960, "--height", 540),
+         "bunny": ("--view", "3d", "--style", "streamlines", "--cage", "none", "--no-mesh",
+                   "--camera", "60,15", "--width", 720, "--height", 720)}
+
 
 def circle(name, centre, radius, speed, axis=(0, 0, 1), count=48):
     """Anticlockwise around `axis`; closed."""
@@ -156,7 +160,8 @@ def main():
               f"{report['divergence']:.1g} of the largest flux | | | |")
         worst = max(worst, report["stored_wall_flux"])
         if options.pictures:
-            run(octetvdb, "preview", out / f"{name}.octet.json", "-o", out / f"{name}.png")
+            run(octetvdb, "preview", out / f"{name}.octet.json", "-o", out / f"{name}.png",
+                "--title", f"fitted to six curves: {name}", *VIEWS[name])
     if worst >= 0.05:
         raise SystemExit(f"a guide is missed by {100 * worst:.1f} %")
 

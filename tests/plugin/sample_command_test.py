@@ -208,6 +208,19 @@ class Sample(unittest.TestCase):
         report, _ = self.run_sample(source, "--degree", "1", "--curl-free")
         self.assertLess(report["frames"][0]["after"], 1e-12)
 
+    def test_corrections_bring_the_limit_nearer(self):
+        self.cage = oa.box((4, 6, 4), SIZE)
+        oa.write(self.path("cage.octet.json"), "cage", self.cage, [])
+        wave = self.write(grid_of(lambda p: np.array([math.sin(5 * p[1]), 0, math.sin(5 * p[0])]),
+                                  PLAIN, COUNT))
+        errors = []
+        for count in ("0", "1", "4"):
+            report, _ = self.run_sample(wave, "--divergence-free", "--corrections", count)
+            errors.append(report["frames"][0]["error"])
+            self.assertLess(report["frames"][0]["after"], 1e-12)
+        self.assertLess(errors[1], 0.9 * errors[0])
+        self.assertLess(errors[2], 0.9 * errors[1])
+
     def test_other_forms_stay(self):
         heights = {(v,): p[0] for v, p in enumerate(self.cage.vertices)}
         oa.write(self.path("cage.octet.json"), "cage", self.cage,
@@ -222,6 +235,9 @@ class Sample(unittest.TestCase):
         with open(self.path("text.vdb"), "w") as file:
             file.write("no grid")
         self.assertIn("not a readable .vdb", self.run_sample(self.path("text.vdb"), code=2))
+        with open(good, "rb") as whole, open(self.path("cut.vdb"), "wb") as part:
+            part.write(whole.read()[:2000])
+        self.assertIn("not a readable .vdb", self.run_sample(self.path("cut.vdb"), code=2))
         self.assertIn('"other"', self.run_sample(good, "--grid", "other", code=2))
         two = []
         for name in ("a", "b"):
