@@ -175,15 +175,16 @@ class OCTETVDB_OT_bake(bpy.types.Operator):
 
 
 def certificate(report):
-    """What was measured of a bake, of the worst frame, one line each."""
+    """What OpenVDB's operators found in a bake, of the worst frame, one line each. Divergence is times
+    voxel size over largest speed."""
     grids = [next(g for g in file.grids if g.name == "velocity") for file in report.files]
     worst = max(grids, key=lambda grid: grid.certificate.max_divergence)
     found = worst.certificate
     return "\n".join([
         f"{found.active_voxels:,} voxels of {worst.voxel_size:.4g}",
-        f"Speed up to {found.max_speed:.4g} per second",
-        f"Divergence {found.max_divergence:.1e}, RMS {found.rms_divergence:.1e}",
-        "(times voxel size, of largest speed)",
+        f"Speed up to {found.max_speed:.4g} / s",
+        f"Divergence max {found.max_divergence:.1e}",
+        f"Divergence RMS {found.rms_divergence:.1e}",
         f"Outflow {found.outflow:.1e} of {found.throughflow:.1e}",
         *([worst.note] if worst.note else [])])
 

@@ -71,7 +71,9 @@ class OctetObject(bpy.types.PropertyGroup):
                     "show the volume")
     path: StringProperty(name="File", default="//flow.vdb", subtype="FILE_PATH",
                          description="The .vdb to write; name.####.vdb when animated")
-    certificate: StringProperty(description="What the last bake measured")
+    certificate: StringProperty(
+        description="What OpenVDB's operators found in the last bake; divergence is times voxel size "
+                    "over largest speed")
     # Primitive
     primitive: EnumProperty(name="Primitive", items=PRIMITIVES, default="NONE")
     strength: FloatProperty(

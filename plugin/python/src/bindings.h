@@ -24,6 +24,7 @@ void bindCages(py::module_& module);
 void bindCertificate(py::module_& module);
 void bindFit(py::module_& module);
 void bindPrimitives(py::module_& module);
+void bindSampling(py::module_& module);
 void bindStreamlines(py::module_& module);
 
 /// A form together with the mesh that its simplices are numbered on.

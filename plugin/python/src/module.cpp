@@ -75,6 +75,7 @@ PYBIND11_MODULE(_octetvdb, module) {
   octet::python::bindCages(module);
   octet::python::bindFit(module);
   octet::python::bindPrimitives(module);
+  octet::python::bindSampling(module);
   octet::python::bindStreamlines(module);
   octet::python::bindThreadLimit(module);
 }

@@ -159,7 +159,7 @@ def picture():
     area = viewport()["area"]
     space = area.spaces.active
     space.show_region_ui = True
-    bpy.context.preferences.view.ui_scale = 0.8  # all four panels in one picture
+    bpy.context.preferences.view.ui_scale = 0.72  # all four panels in one picture
     space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
     space.overlay.show_extras = False
     space.shading.type, space.shading.color_type = "SOLID", "OBJECT"
@@ -177,6 +177,7 @@ def picture():
         bpy.ops.object.select_all(action="DESELECT")
         bpy.context.view_layer.objects.active = cage()
     yield 0.5
+    cage().octetvdb.path = "//flow.vdb"
     yield from show_tab(area)
     with bpy.context.temp_override(window=window()):
         bpy.ops.screen.screenshot(filepath=PICTURE)
@@ -193,7 +194,7 @@ def show_tab(area):
         yield 0.5
         return
     x = sidebar.x + sidebar.width - 10
-    for below_top in (130, 150, 170, 190):
+    for below_top in (117, 135, 153, 171):
         y = sidebar.y + sidebar.height - below_top
         window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
         yield 0.2

@@ -295,3 +295,29 @@ def test_bad_primitives_are_refused(cube):
         octetvdb.integrate(octetvdb.CurlNoise(1.0, 1.0, 0.5), cube, progress=lambda *report: False)
     with pytest.raises(TypeError):
         octetvdb.integrate("wind", cube)
+
+
+def test_sampling_a_baked_flow_gives_it_back(tmp_path, cube):
+    flux = octetvdb.integrate(octetvdb.UniformFlow([1, 2, 3]), cube)
+    asset = octetvdb.ControlAsset(cube, [octetvdb.Form(cube, "wind", 2, flux)])
+    path = str(tmp_path / "wind.vdb")
+    octetvdb.bake(asset, path, voxel_size=0.05, boundary="open")
+    small = octetvdb.box_cage([-0.5] * 3, [0.5] * 3, 0.25)
+    empty = octetvdb.ControlAsset(small, name="small")
+    sampled, (frame,) = octetvdb.sample_velocity(empty, [path], name="found", closed=True)
+    assert [f.name for f in sampled.forms] == ["found"] and not empty.forms
+    expected = octetvdb.integrate(octetvdb.UniformFlow([1, 2, 3]), small)
+    assert np.allclose(sampled.form("found").coefficients(), expected, atol=1e-6)
+    assert frame.grid == "wind" and frame.after < 1e-12 and frame.error < 1e-3
+    per_frame, _ = octetvdb.sample_velocity(empty, [path], velocity_unit="units/frame")
+    assert np.allclose(per_frame.form("velocity").coefficients(), 24 * expected, atol=1e-4)
+    for options in ({"degree": 0}, {"boundary_flux": "leaky"}, {"velocity_unit": "knots"},
+                    {"grid": "smoke"}):
+        with pytest.raises(octetvdb.InputError):
+            octetvdb.sample_velocity(empty, [path], **options)
+    with pytest.raises(octetvdb.InputError):
+        octetvdb.sample_velocity(empty, [str(tmp_path / "missing.vdb")])
+    with pytest.raises(octetvdb.InputError):
+        octetvdb.sample_velocity(empty, [])
+    with pytest.raises(octetvdb.Cancelled):
+        octetvdb.sample_velocity(empty, [path], progress=lambda *report: False)

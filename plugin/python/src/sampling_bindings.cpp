@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <pybind11/stl.h>
+
+#include <octet/converters/vdb_sampling/sample_velocity.h>
+#include <octet/core/base/error.h>
+
+#include "bindings.h"
+#include "choices.h"
+#include "long_call.h"
+
+namespace octet::python {
+namespace {
+
+/// "units/s" and the like.
+void readUnit(const std::string& unit, VelocityReadOptions* read) {
+  using Unit = std::pair<bool, bool>;  // voxels, per frame
+  const auto [voxels, perFrame] = choose<Unit>("velocity_unit", unit,
+                                               {{"units/s", {false, false}},
+                                                {"units/frame", {false, true}},
+                                                {"voxels/s", {true, false}},
+                                                {"voxels/frame", {true, true}}});
+  read->voxels = voxels;
+  read->perFrame = perFrame;
+}
+
+py::tuple sample(const ControlAsset& asset, const std::vector<std::string>& paths,
+                 const std::string& name, int degree, bool closed, const std::string& boundary,
+                 const std::string& grid, const std::string& unit, double scale, int levels,
+                 double zeta, const py::object& progress) {
+  if (degree != 1 && degree != 2) {
+    throw InputError("degree", std::to_string(degree) + " is neither 1 nor 2");
+  }
+  SampleOptions options;
+  options.name = name;
+  options.degree = degree;
+  options.closed = closed;
+  options.boundary = choose<BoundaryRule>(
+      "boundary_flux", boundary,
+      {{"free", BoundaryRule::Free}, {"keep", BoundaryRule::Keep}, {"zero", BoundaryRule::Zero}});
+  options.read.grid = grid;
+  readUnit(unit, &options.read);
+  options.read.framesPerSecond = asset.units.framesPerSecond;
+  options.read.scale = scale;
+  options.levels = levels;
+  options.zeta = zeta;
+  options.progress = progressCallback(progress);
+  auto result = std::make_shared<ControlAsset>(asset);
+  auto report = withoutGil([&] { return sampleVelocity(result.get(), paths, options); });
+  return py::make_tuple(result, py::cast(std::move(report.frames)));
+}
+
+}  // namespace
+
+void bindSampling(py::module_& module) {
+  py::class_<SampledFrame>(module, "SampledFrame", py::module_local(),
+                           R"(What became of one .vdb.
+
+Relative numbers refer to the root mean square speed of the source.)")
+      .def_readonly("path", &SampledFrame::path, "The file.")
+      .def_readonly("grid", &SampledFrame::grid, "Name of its velocity grid.")
+      .def_readonly("frame", &SampledFrame::frame, "Its frame number; None for a single file.")
+      .def_readonly("bytes", &SampledFrame::bytes, "Size of the file.")
+      .def_readonly("staggered", &SampledFrame::staggered, "Staggered, not collocated?")
+      .def_readonly("voxel_size", &SampledFrame::voxelSize, "World units.")
+      .def_readonly("active_voxels", &SampledFrame::activeVoxels, "Number of active voxels.")
+      .def_readonly("inside", &SampledFrame::inside,
+                    "Share of the compared voxels that the cage holds.")
+      .def_readonly("speed", &SampledFrame::speed, "Root mean square, world units per second.")
+      .def_readonly("error", &SampledFrame::error, "Of the limit field, relative, RMS.")
+      .def_readonly("source_divergence", &SampledFrame::sourceDivergence,
+                    "RMS, times voxel size, relative.")
+      .def_readonly("before", &SampledFrame::before,
+                    "Largest derivative of the form as sampled, relative to its largest "
+                    "coefficient.")
+      .def_readonly("after", &SampledFrame::after, "The same as it was written.");
+  module.def("sample_velocity", &sample, py::arg("asset"), py::arg("paths"), py::kw_only(),
+             py::arg("name") = "velocity", py::arg("degree") = 2, py::arg("closed") = false,
+             py::arg("boundary_flux") = "free", py::arg("grid") = "",
+             py::arg("velocity_unit") = "units/s", py::arg("scale") = 1.0, py::arg("levels") = 2,
+             py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
+             R"(Turns velocity grids of .vdb files into a form on an asset's cage.
+
+paths:         one file for a constant form, several, numbered, for an animated one
+name:          of the form; replaces one of that name
+degree:        2: fluxes through facets; 1: circulations along edges
+closed:        take the nearest form without divergence (degree 2) or curl (1)
+boundary_flux: "free", "keep" or "zero": what that does with boundary coefficients
+grid:          name of the vector grid or float triple; found by itself by default
+velocity_unit: "units/s", "units/frame", "voxels/s" or "voxels/frame"
+scale:         factor for the grid's numbers
+levels:        subdivisions at which the limit field is compared with the source
+zeta:          free weight of the octahedron's linear rule
+progress:      called as progress(stage, done, total, unit); returning False raises Cancelled
+Returns a new ControlAsset, and a SampledFrame for each file. Releases the GIL. Raises InputError,
+Cancelled.)");
+}
+
+}  // namespace octet::python
