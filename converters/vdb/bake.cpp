@@ -290,6 +290,7 @@ class Baker {
     if (method_) {
       return addField<K>(form, method_->field(control, options_.reconstruction), mode, note, vdb);
     }
+    if constexpr (K == 1) return addGradient(form, control, nullptr, mode, note, vdb);
     if constexpr (K == 2) return addFlux(form, control, nullptr, mode, note, vdb);
     return add<K>(form, refiner_->refine(std::move(control), mode), mode, note, vdb);
   }
@@ -314,6 +315,10 @@ class Baker {
     Cochain<K + 1> control = derivative<K>(form, frame.value_or(0));
     if (method_) {
       return addField<K + 1>(form, method_->field(control, options_.reconstruction), mode, "", vdb);
+    }
+    if constexpr (K == 0) {
+      const auto potential = coefficients<0>(asset_, form, frame.value_or(0));
+      return addGradient(form, control, &potential, mode, "", vdb);
     }
     if constexpr (K == 1) {
       const auto potential = coefficients<1>(asset_, form, frame.value_or(0));
@@ -359,18 +364,60 @@ class Baker {
     return add<2>(form, std::move(finest), mode, note, vdb);
   }
 
+  /// A gradient is baked as differences of its potential, when it has one.
+  VdbGridInfo addGradient(const Form& form, const Cochain<1>& control, const Cochain<0>* given,
+                          BoundaryMode mode, std::string note, VdbFile* vdb) const {
+    Cochain<1> finest = refiner_->refine(control, mode);
+    std::optional<Cochain<0>> potential;
+    if (options_.reconstruction == Reconstruction::Limit && !options_.samplesOnly) {
+      potential = given ? *given : scalarPotential(*asset_.mesh.complex(), control);
+    }
+    if (!potential) {
+      const std::string open = planner_.describeOpenness(control);
+      if (!open.empty()) note += (note.empty() ? "" : "; ") + open;
+      return add<1>(form, std::move(finest), mode, note, vdb);
+    }
+    VdbGridSpec spec = gridSpec<1>(form, mode);
+    spec.method = "differences";
+    spec.note = note;
+    return vdb->add(gradientField(*potential, finest, mode), spec, options_.progress);
+  }
+
+  GradientField gradientField(const Cochain<0>& potential, const Cochain<1>& finest,
+                              BoundaryMode mode) const {
+    const auto complex = refiner_->sharedComplex(refiner_->levels());
+    const Array<double> values = limit_->values(refiner_->refine(potential, mode));
+    Array<Vec3> vectors = limit_->vectors(finest, mode);
+    Array<Piece<1>::Value> base(values.size());
+    parallelFor<std::size_t>(values.size(), [&](std::size_t k) {
+      base[k][0] = values[k] - vectors[k].dot(limit_->positions()[k]) / 2;
+    });
+    return {turned(ScalarField(
+                std::make_shared<VertexField<1>>(complex, limit_->positions(), std::move(base)))),
+            turned(VectorField(std::make_shared<VertexField<3>>(complex, limit_->positions(),
+                                                                std::move(vectors))))};
+  }
+
+  /// The field with the target's axes.
+  template <int C>
+  Field<C> turned(Field<C> field) const {
+    if (upAxis() == asset_.units.upAxis) return field;
+    return Field<C>(
+        std::make_shared<TurnedSource<C>>(field, finest_, asset_.units.upAxis, upAxis()));
+  }
+
   PotentialField potentialField(const VectorPotential& potential, const Cochain<2>& finest,
                                 BoundaryMode mode) const {
     const int level = refiner_->levels();
-    const auto turned = [&](Array<Vec3> vectors) {
+    const auto turnedAll = [&](Array<Vec3> vectors) {
       parallelFor<std::size_t>(vectors.size(), [&](std::size_t k) {
         vectors[k] = changeUpAxis(vectors[k], asset_.units.upAxis, upAxis());
       });
       return vectors;
     };
-    return PotentialField(refiner_->sharedComplex(level), turned(refiner_->positions(level)),
+    return PotentialField(refiner_->sharedComplex(level), turnedAll(refiner_->positions(level)),
                           refiner_->refine(potential.form, mode),
-                          turned(limit_->vectors(finest, mode)), mode == BoundaryMode::Walls);
+                          turnedAll(limit_->vectors(finest, mode)), mode == BoundaryMode::Walls);
   }
 
   template <int K>
@@ -384,11 +431,7 @@ class Baker {
   template <int K>
   VdbGridInfo addField(const Form& form, Field<kComponents<K>> field, BoundaryMode mode,
                        const std::string& note, VdbFile* vdb) const {
-    if (upAxis() != asset_.units.upAxis) {
-      using Source = TurnedSource<kComponents<K>>;
-      field = Field<kComponents<K>>(
-          std::make_shared<Source>(field, finest_, asset_.units.upAxis, upAxis()));
-    }
+    field = turned(std::move(field));
     VdbGridSpec spec = gridSpec<K>(form, mode);
     spec.note = note;
     return vdb->add(field, spec, options_.progress);

@@ -322,6 +322,16 @@ VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
   return info;
 }
 
+VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
+                         const ProgressCallback& progress) {
+  const auto tiles = [&](const std::function<void(const Tile<3>&)>& sink) {
+    rasterizeDifferences(field, spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
+  };
+  VdbGridInfo info;
+  grids_->list.push_back(fill<openvdb::Vec3SGrid, 3>(tiles, spec, &info));
+  return info;
+}
+
 VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
                          const ProgressCallback& progress) {
   const auto tiles = [&](const std::function<void(const Tile<1>&)>& sink) {

@@ -11,6 +11,7 @@
 #include <octet/core/hodge/potential_field.h>
 
 #include "certificate.h"
+#include "gradient_field.h"
 
 namespace octet {
 
@@ -59,6 +60,9 @@ class VdbFile {
                   const ProgressCallback& progress = {});
   /// The curl of a potential, with a discrete divergence of zero (flux_rasterizer.h): staggered.
   VdbGridInfo add(const PotentialField& field, const VdbGridSpec& spec,
+                  const ProgressCallback& progress = {});
+  /// Differences of a potential, with a discrete curl of zero (gradient_field.h).
+  VdbGridInfo add(const GradientField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});
   VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});

@@ -141,6 +141,78 @@ TEST_F(Conservative, DerivativeOfAPotentialIsTheSameVelocity) {
   EXPECT_NEAR(same.energy, velocity.energy, 1e-6 * velocity.energy);
 }
 
+/// Rounding of four float values of half a unit in the last place, differences, and three axes.
+constexpr double kFloatCurl = 2e-6;
+
+TEST_F(Conservative, GradientsHaveNoCurl) {
+  for (const bool octahedra : {false, true}) {
+    const ControlMeshInput box = testing::creasedBox(3, 0.1, 41);
+    ControlAsset asset{
+        "gradient", {}, ControlMesh::build(octahedra ? testing::withOctahedra(box) : box), {}};
+    const Complex& c = *asset.mesh.complex();
+    const auto f = randomForm<0>(c, 42);
+    asset.forms = {makeForm<1>("gradient", d(c, f)), makeForm<0>("height", f)};
+    for (const Sampling sampling : {Sampling::Staggered, Sampling::Collocated}) {
+      for (const double ratio : kRatios) {
+        BakeOptions options = staggered(ratio * meanEdge(asset.mesh) / 4, 2);
+        options.sampling = sampling;
+        const Certificate found = baked(asset, "gradient", options);
+        EXPECT_EQ(grid().method, "differences");
+        EXPECT_LE(found.maxCurl, kFloatCurl) << ratio;
+        EXPECT_GT(found.insideVoxels, 50u);
+        const double energy = found.energy;
+        options.samplesOnly = true;
+        const Certificate sampled = baked(asset, "gradient", options);
+        EXPECT_GT(sampled.maxCurl, 1e-3);
+        // Alike where voxels resolve the field; staggered grids differ in what is active.
+        if (sampling == Sampling::Collocated && ratio < 1) {
+          EXPECT_NEAR(energy, sampled.energy, 0.1 * sampled.energy);
+        }
+        options.samplesOnly = false;
+        options.derivative = true;
+        EXPECT_LE(baked(asset, "height", options).maxCurl, kFloatCurl);
+        EXPECT_EQ(grid().method, "differences");
+      }
+    }
+  }
+}
+
+TEST_F(Conservative, QuadraticPotentialsHaveTheirGradient) {
+  // On a lattice the scheme reproduces quadratic functions up to a constant; so do the differences.
+  const ControlMesh mesh = ControlMesh::build(
+      testing::latticeBlock([](int x, int y, int z) { return x * x + y * y + z * z <= 16; }, 4));
+  const DeRham rham(*mesh.complex(), mesh.positions(), 4);
+  const auto f =
+      rham.vertices([](const Vec3& p) { return p[0] * p[0] - 0.5 * p[1] * p[1] + p[0] * p[2]; });
+  const ControlAsset asset{"quadratic", {}, mesh, {makeForm<0>("height", f)}};
+  BakeOptions options = staggered(0.23, 2);
+  options.derivative = true;
+  for (const Sampling sampling : {Sampling::Staggered, Sampling::Collocated}) {
+    options.sampling = sampling;
+    const Certificate differences = baked(asset, "height", options);
+    options.samplesOnly = true;
+    const Certificate sampled = baked(asset, "height", options);
+    options.samplesOnly = false;
+    if (sampling == Sampling::Collocated) {
+      EXPECT_NEAR(differences.energy, sampled.energy, 0.005 * sampled.energy);
+    }
+    EXPECT_NEAR(differences.maxSpeed, sampled.maxSpeed, 0.05 * sampled.maxSpeed);
+  }
+}
+
+TEST_F(Conservative, FormsWithCirculationAreSampledAndSayWhy) {
+  ControlAsset asset{"turning", {}, ControlMesh::build(testing::creasedBox(2, 0.1, 43)), {}};
+  const Complex& c = *asset.mesh.complex();
+  asset.forms = {makeForm<1>("turning", randomForm<1>(c, 44))};
+  BakeOptions options = staggered(0.2, 1);
+  baked(asset, "turning", options);
+  EXPECT_EQ(grid().method, "samples");
+  EXPECT_NE(grid().note.find("not closed"), std::string::npos);
+  options.project = true;
+  EXPECT_LE(baked(asset, "turning", options).maxCurl, kFloatCurl);
+  EXPECT_EQ(grid().method, "differences");
+}
+
 TEST_F(Conservative, UpAxisTurnsTheFlow) {
   ControlAsset asset = randomAsset(testing::creasedBox(2, 0.1, 1), true, 34);
   BakeOptions options = staggered(0.11, 1);
