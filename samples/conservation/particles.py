@@ -78,7 +78,7 @@ def dispersion(points):
     return sum((n - mean) ** 2 for n in counts) / len(counts) / mean, outside
 
 
-def run(octetvdb, advect_command, folder, steps=500, count=40000):
+def run(octetvdb, advect_command, folder, steps=500, count=30000):
     """Reports by bake: divergence, dispersion at start and end, particles outside; and end points."""
     asset = os.path.join(folder, "particles.octet.json")
     make_asset(asset)
@@ -123,7 +123,7 @@ def main():
     parser.add_argument("octetvdb")
     parser.add_argument("advect")
     parser.add_argument("folder")
-    parser.add_argument("--count", type=int, default=40000)
+    parser.add_argument("--count", type=int, default=30000)
     parser.add_argument("--picture")
     arguments = parser.parse_args()
     reports = run(arguments.octetvdb, arguments.advect, arguments.folder, count=arguments.count)
