@@ -5,7 +5,7 @@ flow. Arguments: the commands octetvdb and advect, a folder for what is made, an
 
 The box has two stacked vortices (samples/box), and its walls lie on voxel faces. Particles start
 evenly; an incompressible flow keeps them so. Reported is how many left the box, and the variance of
-their number per cell of 3 x 3 x 3 voxels over its mean: 1 for particles thrown in at random.
+their number per cell of 3 x 3 x 3 voxels over its mean: 1 for particles thrown in at random. The picture needs Pillow.
 """
 import argparse
 import array
