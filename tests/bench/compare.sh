@@ -24,7 +24,7 @@ done
 echo "== Stages"
 for mesh in box lattice ball; do
   "$bench/core_bench" --benchmark_filter="^(build|apply_[12]_form|limit_2_form|sample_grid)/$mesh/500k/" \
-    --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true --benchmark_min_time=0.2 \
+    --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true --benchmark_min_time=0.1 \
     --benchmark_out="$work/$mesh.json" --benchmark_out_format=json >/dev/null 2>&1
 done
 /usr/bin/python3 tests/bench/stages.py "$work"/*.json
