@@ -40,6 +40,9 @@ StepAdjoint::StepAdjoint(const Refiner& refiner, int level, BoundaryMode mode)
       smoothing_(refiner.levels_[level + 1]->smoothing.get()),
       patchTest_(refiner.levels_[level + 1]->patchTest.get()),
       mode_(mode) {
+  if (refiner.options_.boundaryRows == BoundaryRows::Star) {
+    throw InputError("boundary rows", "influences are known for those of the surface only");
+  }
   if (patchTest_ && patchTest_->empty()) patchTest_ = nullptr;
   if (!smoothing_) return;
   listLatticeSlots();

@@ -15,6 +15,7 @@ namespace octet {
 class StepAdjoint {
  public:
   /// @param level  of the coarse side, 0 <= level < refiner.levels()
+  /// @throws InputError for a refiner with BoundaryRows::Star
   StepAdjoint(const Refiner& refiner, int level, BoundaryMode mode);
 
   const Complex& coarse() const { return c_; }
