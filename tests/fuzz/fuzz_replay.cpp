@@ -71,6 +71,19 @@ Bytes damaged(Bytes bytes, std::mt19937* random) {
   return bytes;
 }
 
+/// A copy with one digit changed, which is often still a good file.
+Bytes withOtherDigit(Bytes bytes, std::mt19937* random) {
+  std::vector<std::size_t> digits;
+  for (std::size_t k = 0; k < bytes.size(); ++k) {
+    if (bytes[k] >= '0' && bytes[k] <= '9') digits.push_back(k);
+  }
+  if (!digits.empty()) {
+    bytes[digits[below(random, digits.size())]] =
+        static_cast<std::uint8_t>('0' + below(random, 10));
+  }
+  return bytes;
+}
+
 const char* meshExtension(const fs::path& path) {
   for (const char* extension : fuzz::kMeshExtensions) {
     if (path.extension() == extension) return extension;
@@ -92,6 +105,7 @@ void replayAsset(const Bytes& bytes, std::mt19937* random, Tally* tally) {
     }
   }
   for (int k = 0; k < (good ? 1500 : 8); ++k) test(damaged(bytes, random));
+  for (int k = 0; k < (good ? 500 : 0); ++k) test(withOtherDigit(bytes, random));
 }
 
 #ifdef OCTETVDB_WITH_GMSH
