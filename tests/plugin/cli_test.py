@@ -20,8 +20,8 @@ import command
 OCTETVDB = command.from_arguments()
 BOX = os.path.join(command.SAMPLES, "box", "box.octet.json")
 GOOD = os.path.join(command.DATA, "wellformed", "good.octet.json")
-# Work for many seconds, in whose midst a signal arrives.
-LONG = ("--levels", "6")
+# Work for many seconds, in whose midst a signal arrives: five million cells, which take 3 GB.
+LONG = (GOOD, "--form", "mass", "--resolution", "200", "--levels", "7")
 
 
 def digest(path):
@@ -385,9 +385,9 @@ class Interrupted(Case):
         self.assertEqual(self.files(), sorted(left))
 
     def test_while_levels_are_built(self):
-        bake = ("bake", BOX, "-o", self.path("a.vdb"), "--resolution", "200", *LONG)
-        self.interrupt("build level [56]", bake)
-        self.interrupt("build level [56]", bake, sent=signal.SIGTERM)
+        bake = ("bake", *LONG, "-o", self.path("a.vdb"))
+        self.interrupt("build level [67]", bake)
+        self.interrupt("build level [67]", bake, sent=signal.SIGTERM)
 
     def test_while_grids_are_baked(self):
         self.interrupt("bake velocity +[0-9]", ("bake", BOX, "-o", self.path("a.vdb"), "--resolution",
@@ -425,7 +425,7 @@ class Interrupted(Case):
             self.succeed("info", self.path(name))  # complete
 
     def test_without_a_terminal(self):
-        process = OCTETVDB.start("bake", BOX, "-o", self.path("a.vdb"), "--resolution", "200", *LONG)
+        process = OCTETVDB.start("bake", *LONG, "-o", self.path("a.vdb"))
         time.sleep(1)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=command.TIME_LIMIT)
@@ -433,8 +433,8 @@ class Interrupted(Case):
         self.assertEqual(self.files(), [])
 
     def test_a_second_one_ends_it_at_once(self):
-        terminal = Terminal("bake", BOX, "-o", self.path("a.vdb"), "--resolution", "200", *LONG)
-        terminal.read(until="build level [56]")
+        terminal = Terminal("bake", *LONG, "-o", self.path("a.vdb"))
+        terminal.read(until="build level [67]")
         terminal.process.send_signal(signal.SIGTERM)
         with contextlib.suppress(ProcessLookupError):
             terminal.process.send_signal(signal.SIGTERM)
