@@ -15,6 +15,9 @@ namespace {
 constexpr double kSameWall = 0.15;
 /// Quadratic parts are fitted when there are this many times as many coefficients as unknowns.
 constexpr int kOverdetermined = 2;
+/// Parts whose coefficients are this small, relative to the largest, are left out: on an irregular
+/// layer they would take up what is no quadratic field and grow from level to level.
+constexpr double kHardlyTold = 0.05;
 
 constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
 
@@ -230,7 +233,7 @@ Eigen::VectorXd LayerProjection::fit(const Layer& layer, const Cochain<K>& form)
   if (n < kOverdetermined * unknowns) return result;
   const Eigen::VectorXd rest = values - rows.leftCols<3>() * result.head<3>();
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-8);
+  solver.setThreshold(kHardlyTold);
   solver.compute(rows);
   return result + solver.solve(rest);
 }
