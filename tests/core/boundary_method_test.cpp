@@ -49,9 +49,6 @@ double misses(const MethodRefiner& refiner, const Function& field) {
 }
 
 Vec3 constantField(const Vec3&) { return Vec3(0.3, -1.1, 0.7); }
-Vec3 linearField(const Vec3& p) {
-  return Vec3(0.2 * p[1] - p[0], 0.5 * p[2] + p[0], 0.3 + p[0] - 0.4 * p[2]);
-}
 
 /// A convex piece of the lattice, an octahedron of side 2 n.
 ControlMeshInput octahedralBlock(int n) {
