@@ -14,7 +14,7 @@ OCTETVDB = os.path.abspath(sys.argv.pop(1))
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)),
                       "../../samples/thesis/figures.py")
 FIGURES = ["2.11", "2.14", "3.5", "3.6", "4.14", "4.15", "4.16", "4.17", "4.18", "4.19", "4.20",
-           "5.3", "5.4", "5.6", "5.7", "5.14", "5.15", "5.17", "5.19", "5.20", "X2", "boundary"]
+           "X2", "5.3", "5.4", "5.6", "5.7", "5.14", "5.15", "5.17", "5.19", "5.20", "boundary"]
 
 
 class Page(unittest.TestCase):
