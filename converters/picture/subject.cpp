@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <memory>
 
+#include <octet/core/geometry/mean_edge.h>
+
 #include "../vdb/vdb_sampler.h"
 
 namespace octet {
@@ -99,12 +101,6 @@ void setField(const ControlAsset& asset, const Form& form, const Refined& refine
     std::copy(v.data(), v.data() + kComponents<K>, value);
     return true;
   };
-}
-
-double meanEdge(const Complex& complex, const Array<Vec3>& positions) {
-  double sum = 0;
-  for (const auto& [a, b] : complex.edges) sum += (positions[b] - positions[a]).norm();
-  return complex.edges.empty() ? 0 : sum / static_cast<double>(complex.edges.size());
 }
 
 /// Edge e of a level as a polyline of the finest level's vertices: halves of edge e are 2e and

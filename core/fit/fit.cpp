@@ -6,6 +6,7 @@
 
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
+#include "../geometry/mean_edge.h"
 #include "../hodge/coboundary_matrix.h"
 #include "conflicts.h"
 #include "influence.h"
@@ -29,12 +30,6 @@ constexpr double kGaugeShare = 1, kHarmonicShare = 1e-12;
 
 /// Weight of no flow through the walls in a curl-free fit, against 1 for all guides.
 constexpr double kWallWeight = 10;
-
-double meanEdge(const Complex& complex, const Array<Vec3>& positions) {
-  double sum = 0;
-  for (const auto& [a, b] : complex.edges) sum += (positions[b] - positions[a]).norm();
-  return sum / static_cast<double>(complex.edges.size());
-}
 
 Matrix identity(Eigen::Index n) {
   Matrix m(n, n);

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "form_baker.h"
+
+#include <cmath>
+
+#include <octet/core/base/parallel.h>
+#include <octet/core/field/vertex_field.h>
+#include <octet/core/forms/coboundary.h>
+#include <octet/core/geometry/mean_edge.h>
+
+namespace octet {
+namespace {
+
+/// Sums of coefficients this small, relative to the largest, are rounding.
+constexpr double kCancelled = 1e-14;
+
+char orElse(char axis, char other) { return axis ? axis : other; }
+
+}  // namespace
+
+FormBaker::FormBaker(const ControlAsset& asset, const BakeOptions& options, const Target& target,
+                     const GridChoice& grid)
+    : asset_(asset),
+      options_(options),
+      target_(target),
+      grid_(grid),
+      turn_{asset.units.upAxis, orElse(target.upAxis, asset.units.upAxis)},
+      planner_(asset.mesh) {
+  RefinerOptions refinerOptions;
+  refinerOptions.levels = grid.levels;
+  refinerOptions.zeta = options.zeta;
+  refinerOptions.progress = options.progress;
+  if (const auto method = boundaryMethod(options.boundary)) {
+    method_ = std::make_unique<MethodRefiner>(asset.mesh, *method, refinerOptions);
+    finest_ = method_->sharedComplex(method_->levels());
+  } else {
+    refiner_ = std::make_unique<Refiner>(asset.mesh, refinerOptions);
+    limit_ = std::make_unique<Limit>(*refiner_, options.progress);
+    finest_ = refiner_->sharedComplex(refiner_->levels());
+  }
+}
+
+FormBaker::~FormBaker() = default;
+
+double FormBaker::finestEdge() const {
+  return meanEdge(*finest_, method_ ? method_->fieldPositions() : limit_->positions());
+}
+
+void FormBaker::Job::say(const std::string& more) {
+  if (!more.empty()) note += (note.empty() ? "" : "; ") + more;
+}
+
+VdbGridInfo FormBaker::bake(const Form& form, const std::string& gridName, std::optional<int> frame,
+                            VdbFile* file) const {
+  const auto with = [&](auto degree) {
+    constexpr int K = decltype(degree)::value;
+    const Job job{form, gridName, frame.value_or(0), file};
+    if constexpr (K < 3) {
+      if (options_.derivative) return bakeDerivative<K>(job);
+    }
+    return bakeForm<K>(job);
+  };
+  switch (form.degree) {
+    case 0:
+      return with(std::integral_constant<int, 0>{});
+    case 1:
+      return with(std::integral_constant<int, 1>{});
+    case 2:
+      return with(std::integral_constant<int, 2>{});
+    default:
+      return with(std::integral_constant<int, 3>{});
+  }
+}
+
+template <int K>
+VdbGridInfo FormBaker::bakeForm(Job job) const {
+  job.mode = boundaryMode(asset_, job.form, options_.boundary);
+  Cochain<K> control = coefficients<K>(asset_, job.form, job.frame);
+  if constexpr (K == 1 || K == 2) {
+    if (options_.project) {
+      auto closed = planner_.closest(control);
+      control = std::move(closed.form);
+      job.say(closed.note);
+    }
+  }
+  if (method_) return addField<K>(job, method_->field(control, options_.reconstruction));
+  if constexpr (K == 1) return addGradient(std::move(job), control, nullptr);
+  if constexpr (K == 2) return addFlux(std::move(job), control, nullptr);
+  return addRefined<K>(job, refiner_->refine(std::move(control), job.mode));
+}
+
+/// d commutes with refinement: refining the derivative is differentiating the refined form.
+template <int K>
+VdbGridInfo FormBaker::bakeDerivative(Job job) const {
+  job.mode = derivativeMode<K>(job.form);
+  Cochain<K + 1> control = derivative<K>(job.form, job.frame);
+  if (method_) return addField<K + 1>(job, method_->field(control, options_.reconstruction));
+  if constexpr (K == 0) {
+    const auto potential = coefficients<0>(asset_, job.form, job.frame);
+    return addGradient(std::move(job), control, &potential);
+  }
+  if constexpr (K == 1) {
+    const auto potential = coefficients<1>(asset_, job.form, job.frame);
+    return addFlux(std::move(job), control, &potential);
+  }
+  return addRefined<K + 1>(job, refiner_->refine(std::move(control), job.mode));
+}
+
+/// The derivative on the control mesh; coefficients that cancel up to rounding are 0.
+template <int K>
+Cochain<K + 1> FormBaker::derivative(const Form& form, int frame) const {
+  Cochain<K + 1> result = d(*asset_.mesh.complex(), coefficients<K>(asset_, form, frame));
+  const double scale = maxNorm(result.values());
+  for (double& x : result.values()) {
+    if (std::abs(x) < kCancelled * scale) x = 0;
+  }
+  return result;
+}
+
+/// One mode for all frames, as the derivative's own boundary says.
+template <int K>
+BoundaryMode FormBaker::derivativeMode(const Form& form) const {
+  if (options_.boundary == BoundaryChoice::Open) return BoundaryMode::Open;
+  if (options_.boundary != BoundaryChoice::Auto) return BoundaryMode::Walls;
+  std::vector<int> frames = {0};
+  if (form.animated()) frames.clear();
+  for (const auto& [number, values] : form.frames) frames.push_back(number);
+  for (const int number : frames) {
+    if (automaticMode(*asset_.mesh.complex(), derivative<K>(form, number)) == BoundaryMode::Open) {
+      return BoundaryMode::Open;
+    }
+  }
+  return BoundaryMode::Walls;
+}
+
+/// A staggered flux is baked from its vector potential, when it has one: by commutation the
+/// refined potential's derivative is the refined form.
+VdbGridInfo FormBaker::addFlux(Job job, const Cochain<2>& control, const Cochain<1>* given) const {
+  Cochain<2> finest = refiner_->refine(control, job.mode);
+  if (options_.sampling == Sampling::Collocated) {
+    job.say(planner_.describeOpenness(control));
+    return addRefined<2>(job, std::move(finest));
+  }
+  if (options_.reconstruction == Reconstruction::Limit && !options_.samplesOnly) {
+    const VelocityPlan plan = planner_.plan(control, given);
+    job.say(plan.note);
+    if (plan.potential) {
+      VdbGridSpec spec = gridSpec<2>(job);
+      spec.method = "circulations";
+      return job.file->add(potentialField(plan.potential->form, finest, job.mode), spec,
+                           options_.progress);
+    }
+  }
+  return addRefined<2>(job, std::move(finest));
+}
+
+/// A gradient is baked as differences of its potential, when it has one.
+VdbGridInfo FormBaker::addGradient(Job job, const Cochain<1>& control,
+                                   const Cochain<0>* given) const {
+  Cochain<1> finest = refiner_->refine(control, job.mode);
+  std::optional<Cochain<0>> potential;
+  if (options_.reconstruction == Reconstruction::Limit && !options_.samplesOnly) {
+    potential = given ? *given : scalarPotential(*asset_.mesh.complex(), control);
+  }
+  if (!potential) {
+    job.say(planner_.describeOpenness(control));
+    return addRefined<1>(job, std::move(finest));
+  }
+  VdbGridSpec spec = gridSpec<1>(job);
+  spec.method = "differences";
+  return job.file->add(gradientField(*potential, finest, job.mode), spec, options_.progress);
+}
+
+template <int K>
+VdbGridInfo FormBaker::addRefined(const Job& job, Cochain<K> finest) const {
+  return addField<K>(
+      job, makeField(*refiner_, *limit_, std::move(finest), job.mode, options_.reconstruction));
+}
+
+template <int K>
+VdbGridInfo FormBaker::addField(const Job& job, const Field<kComponents<K>>& field) const {
+  return job.file->add(turnedField(field, finest_, turn_), gridSpec<K>(job), options_.progress);
+}
+
+PotentialField FormBaker::potentialField(const Cochain<1>& potential, const Cochain<2>& finest,
+                                         BoundaryMode mode) const {
+  return PotentialField(finest_, turn_(refiner_->positions(refiner_->levels())),
+                        refiner_->refine(potential, mode), turn_(limit_->vectors(finest, mode)),
+                        mode == BoundaryMode::Walls);
+}
+
+GradientField FormBaker::gradientField(const Cochain<0>& potential, const Cochain<1>& finest,
+                                       BoundaryMode mode) const {
+  const Array<double> values = limit_->values(refiner_->refine(potential, mode));
+  Array<Vec3> vectors = limit_->vectors(finest, mode);
+  Array<Piece<1>::Value> base(values.size());
+  parallelFor<std::size_t>(values.size(), [&](std::size_t k) {
+    base[k][0] = values[k] - vectors[k].dot(limit_->positions()[k]) / 2;
+  });
+  const ScalarField baseField(
+      std::make_shared<VertexField<1>>(finest_, limit_->positions(), std::move(base)));
+  const VectorField vectorField(
+      std::make_shared<VertexField<3>>(finest_, limit_->positions(), std::move(vectors)));
+  return {turnedField(baseField, finest_, turn_), turnedField(vectorField, finest_, turn_)};
+}
+
+/// Of the thesis' methods only expansion has limits.
+bool FormBaker::limitFields() const {
+  return options_.reconstruction == Reconstruction::Limit &&
+         (!method_ || method_->method() == BoundaryMethod::Expansion);
+}
+
+template <int K>
+VdbGridSpec FormBaker::gridSpec(const Job& job) const {
+  using Class = VdbGridSpec::Class;
+  VdbGridSpec spec;
+  spec.name = job.gridName;
+  spec.note = job.note;
+  spec.frame.voxelSize = grid_.voxelSize;
+  spec.half = options_.half;
+  if (target_.voxelCornered) spec.shift = Vec3::Constant(-grid_.voxelSize / 2);
+  if constexpr (K == 1 || K == 2) {
+    spec.sampling = options_.sampling;
+    spec.vectorType = K == 1 ? VdbGridSpec::VectorType::Covariant
+                             : VdbGridSpec::VectorType::ContravariantRelative;
+    if (spec.sampling == Sampling::Staggered) spec.gridClass = Class::Staggered;
+  }
+  if (K == 3 || target_.fogClass) spec.gridClass = Class::Fog;
+  const char* const boundary = method_                           ? boundaryName(options_.boundary)
+                               : job.mode == BoundaryMode::Walls ? "walls"
+                                                                 : "open";
+  spec.metadata = {{"octet_form", job.form.name},
+                   {"octet_degree", static_cast<std::int32_t>(K)},
+                   {"octet_derivative", static_cast<std::int32_t>(options_.derivative)},
+                   {"octet_unit", job.form.unit},
+                   {"octet_levels", static_cast<std::int32_t>(grid_.levels)},
+                   {"octet_boundary", std::string(boundary)},
+                   {"octet_reconstruction", std::string(limitFields() ? "limit" : "whitney")}};
+  return spec;
+}
+
+}  // namespace octet
