@@ -47,30 +47,29 @@ bool rayCrosses(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-std::vector<SurfaceLayer> nestingLayers(const TriangleSurface& surface) {
+std::vector<SurfacePart> surfaceParts(const TriangleSurface& surface) {
   Index count = 0;
   const std::vector<Index> partOf = partsOf(surface, &count);
-  std::vector<Index> sample(count, kNone);
-  std::vector<double> volumes(count, 0.0);
+  std::vector<SurfacePart> parts(count);
   std::vector<Box> boxes(surface.triangles.size());
   const Vec3 origin = surface.vertices.empty() ? Vec3::Zero() : Vec3(surface.vertices[0]);
   for (std::size_t t = 0; t < partOf.size(); ++t) {
     const auto& [a, b, c] = surface.triangles[t];
     const Vec3 p = surface.vertices[a], q = surface.vertices[b], r = surface.vertices[c];
     for (const Vec3& x : {p, q, r}) boxes[t].extend(x);
-    if (sample[partOf[t]] == kNone) sample[partOf[t]] = static_cast<Index>(t);
-    volumes[partOf[t]] += (p - origin).dot((q - origin).cross(r - origin)) / 6;
+    SurfacePart& part = parts[partOf[t]];
+    part.triangles.push_back(static_cast<Index>(t));
+    part.volume += (p - origin).dot((q - origin).cross(r - origin)) / 6;
   }
   const double end = surface.bounds().max[0];
   const BoxTree tree(std::move(boxes));
-  std::vector<SurfaceLayer> layers;
-  std::vector<std::size_t> depths(count);
+  const auto corner = [&](Index t, int k) -> const Vec3& {
+    return surface.vertices[surface.triangles[t][k]];
+  };
+  std::vector<std::vector<Index>> enclosing(count);
   for (Index part = 0; part < count; ++part) {
-    const auto corner = [&](Index t, int k) -> const Vec3& {
-      return surface.vertices[surface.triangles[t][k]];
-    };
-    const Vec3 p =
-        (corner(sample[part], 0) + corner(sample[part], 1) + corner(sample[part], 2)) / 3;
+    const Index sample = parts[part].triangles[0];
+    const Vec3 p = (corner(sample, 0) + corner(sample, 1) + corner(sample, 2)) / 3;
     Box ray;
     ray.extend(p);
     ray.extend(Vec3(end, p[1], p[2]));
@@ -80,17 +79,40 @@ std::vector<SurfaceLayer> nestingLayers(const TriangleSurface& surface) {
         ++crossings[partOf[t]];
       }
     });
-    for (const auto& [other, n] : crossings) depths[part] += n % 2;
-    if (layers.size() <= depths[part]) layers.resize(depths[part] + 1);
-    layers[depths[part]].volume += std::abs(volumes[part]);
-    ++layers[depths[part]].parts;
+    for (const auto& [other, n] : crossings) {
+      if (n % 2) enclosing[part].push_back(other);
+    }
+    parts[part].depth = static_cast<Index>(enclosing[part].size());
+    parts[part].volume = std::abs(parts[part].volume);
   }
-  for (std::size_t t = 0; t < partOf.size(); ++t) {
-    layers[depths[partOf[t]]].surface.triangles.push_back(surface.triangles[t]);
+  for (Index part = 0; part < count; ++part) {
+    for (const Index other : enclosing[part]) {
+      if (parts[other].depth == parts[part].depth - 1) parts[part].parent = other;
+    }
   }
-  for (SurfaceLayer& layer : layers) {
-    layer.surface.vertices = surface.vertices;
-    layer.surface = welded(layer.surface);
+  return parts;
+}
+
+std::vector<SurfaceLayer> nestingLayers(const TriangleSurface& surface) {
+  std::vector<SurfaceLayer> layers;
+  std::vector<std::vector<Index>> triangles;  // of each layer
+  for (const SurfacePart& part : surfaceParts(surface)) {
+    const auto depth = static_cast<std::size_t>(part.depth);
+    if (layers.size() <= depth) {
+      layers.resize(depth + 1);
+      triangles.resize(depth + 1);
+    }
+    layers[depth].volume += part.volume;
+    ++layers[depth].parts;
+    auto& list = triangles[depth];
+    list.insert(list.end(), part.triangles.begin(), part.triangles.end());
+  }
+  for (std::size_t depth = 0; depth < layers.size(); ++depth) {
+    std::sort(triangles[depth].begin(), triangles[depth].end());
+    TriangleSurface& layer = layers[depth].surface;
+    for (const Index t : triangles[depth]) layer.triangles.push_back(surface.triangles[t]);
+    layer.vertices = surface.vertices;
+    layer = welded(layer);
   }
   return layers;
 }

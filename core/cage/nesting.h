@@ -5,6 +5,18 @@
 
 namespace octet {
 
+/// A closed part of a surface, and where it lies among the others.
+struct SurfacePart {
+  std::vector<Index> triangles;  ///< of the whole surface, ascending
+  double volume = 0;             ///< not signed
+  Index depth = 0;               ///< how many other parts enclose it
+  Index parent = kNone;          ///< of these, the one of most depth
+};
+
+/// @brief The parts of a closed surface that does not intersect itself, in the order of their first
+/// triangles. The triangles' orientation does not matter.
+std::vector<SurfacePart> surfaceParts(const TriangleSurface& surface);
+
 /// The closed parts of a surface at one depth of nesting.
 struct SurfaceLayer {
   TriangleSurface surface;

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "../base/progress.h"
+#include "sharp_edges.h"
+
+namespace octet {
+
+struct RemeshOptions {
+  double edgeLength = 0;            ///< wanted, world units
+  double sharpAngle = kSharpAngle;  ///< edges that turn by more, in degrees, are kept
+  ProgressCallback progress;
+};
+
+struct RemeshedSurface {
+  TriangleSurface surface;
+  std::vector<std::array<Index, 2>> creases;  ///< its edges on sharp edges of the surface given
+  std::vector<Index> corners;                 ///< its vertices on corners of these, ascending
+};
+
+/// @brief Triangles about as large as wanted for a closed surface, whatever its own are: edges are
+/// split, collapsed and turned, and vertices moved along the surface, until edges are about as long
+/// as wanted (M. Botsch, L. Kobbelt, A remeshing approach to multiresolution modeling, 2004).
+///
+/// Vertices lie on the surface given, to rounding. Sharp edges stay: their corners are vertices,
+/// and vertices on them move along them only. Triangles come out oriented like their neighbours;
+/// where the surface is finer than the wanted edges, as around thin parts, they stay smaller.
+/// Deterministic, one thread but for searches. That the result does not intersect itself is for
+/// findSelfIntersection to tell.
+/// @throws InputError for edges without two triangles, vertices at which the surface touches
+/// itself, and one-sided surfaces; Cancelled
+RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options);
+
+}  // namespace octet
