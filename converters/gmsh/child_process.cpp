@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <exception>
 #include <fstream>
 
 #include <fcntl.h>
@@ -84,18 +85,24 @@ bool writeAll(int fd, const char* data, std::size_t size) {
   ::_exit(status);  // no destructors, no exit handlers, no flushing of the parent's buffers
 }
 
-/// Reads until the other end closes; false when the deadline passes first.
-bool readAll(int in, Clock::time_point deadline, std::string* bytes) {
+enum class End { Closed, Late, Stopped };
+
+/// Reads until the other end closes, the deadline passes or `goOn` says no.
+End readAll(int in, Clock::time_point deadline, const std::function<bool()>& goOn,
+            std::string* bytes) {
+  constexpr long long kAskEvery = 100;  // ms
   std::string buffer(1 << 16, '\0');
   for (;;) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) return false;
+    if (left <= 0) return End::Late;
+    if (goOn && !goOn()) return End::Stopped;
     pollfd wait = {in, POLLIN, 0};
-    if (::poll(&wait, 1, static_cast<int>(std::min<long long>(left, 1 << 30))) <= 0) continue;
+    const long long most = goOn ? kAskEvery : 1 << 30;
+    if (::poll(&wait, 1, static_cast<int>(std::min<long long>(left, most))) <= 0) continue;
     const ssize_t n = ::read(in, buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return true;
+    if (n <= 0) return End::Closed;
     bytes->append(buffer, 0, static_cast<std::size_t>(n));
   }
 }
@@ -130,15 +137,25 @@ ChildResult runInChild(const std::function<std::string()>& work, const ChildLimi
     throw IoError("", std::string("cannot start a process: ") + std::strerror(error));
   }
   ChildResult result;
-  const bool inTime = readAll(ends[0], Clock::now() + limits.time, &result.bytes);
+  End end = End::Stopped;
+  std::exception_ptr thrown;  // by goOn; the child must not be left behind
+  try {
+    end = readAll(ends[0], Clock::now() + limits.time, limits.goOn, &result.bytes);
+  } catch (...) {
+    thrown = std::current_exception();
+  }
   ::close(ends[0]);
-  if (!inTime) ::kill(child, SIGKILL);
+  if (end != End::Closed) ::kill(child, SIGKILL);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  if (thrown) std::rethrow_exception(thrown);
   // The message itself tells whether all went well: a host that reaps children for itself leaves us
   // no status.
-  if (!inTime) {
+  if (end == End::Stopped) {
+    result.stopped = true;
+    result.failure = "was stopped";
+  } else if (end == End::Late) {
     result.failure =
         "did not finish within " + std::to_string(limits.time.count() / 1000) + " seconds";
   } else if (!unwrap(&result.bytes)) {

@@ -11,12 +11,15 @@ namespace octet::gmsh_import {
 struct ChildLimits {
   std::uint64_t memory = std::uint64_t{1} << 30;  ///< bytes beside those this process uses
   std::chrono::milliseconds time{60000};
+  /// Asked several times a second while the child works; false ends it, as a failure.
+  std::function<bool()> goOn;
 };
 
 /// What a child process returned, or how it failed ("crashed (signal 11)").
 struct ChildResult {
   std::string bytes;
   std::string failure;
+  bool stopped = false;  ///< by `goOn`
 };
 
 /// @brief Runs `work` in a copy of this process and returns its result: whatever it does - crash,

@@ -34,6 +34,9 @@ struct Lists {
   }
 };
 
+/// Dimension of a surface, and the tag that lets Gmsh choose one.
+constexpr int kSurface = 2, kNextTag = -1;
+
 std::string take(const char* text) { return text ? text : ""; }
 
 }  // namespace
@@ -76,7 +79,7 @@ GmshApi::GmshApi() {
 
 void GmshApi::initialize() {
   OCTET_GMSH(gmshInitialize, 0, nullptr, /*readConfigFiles=*/0);
-  OCTET_GMSH(gmshOptionSetNumber, "General.Terminal", 0);
+  setOption("General.Terminal", 0);
   call<decltype(gmshLoggerStart)>("gmshLoggerStart");
 }
 
@@ -172,6 +175,40 @@ GmshApi::ViewData GmshApi::viewData(int view, int step) {
   result.tags = tags.take();
   result.values = values.take();
   return result;
+}
+
+void GmshApi::setOption(const std::string& name, double value) {
+  OCTET_GMSH(gmshOptionSetNumber, name.c_str(), value);
+}
+
+int GmshApi::addSurface() {
+  return OCTET_GMSH(gmshModelAddDiscreteEntity, kSurface, kNextTag, nullptr, std::size_t{0});
+}
+
+void GmshApi::addNodes(int surface, std::vector<double> coordinates) {
+  std::vector<std::size_t> tags(coordinates.size() / 3);
+  for (std::size_t k = 0; k < tags.size(); ++k) tags[k] = k + 1;
+  OCTET_GMSH(gmshModelMeshAddNodes, kSurface, surface, tags.data(), tags.size(), coordinates.data(),
+             coordinates.size(), nullptr, std::size_t{0});
+}
+
+void GmshApi::addTriangles(int surface, std::vector<std::size_t> nodes) {
+  constexpr int kTriangle = 2;
+  OCTET_GMSH(gmshModelMeshAddElementsByType, surface, kTriangle, nullptr, std::size_t{0},
+             nodes.data(), nodes.size());
+}
+
+void GmshApi::addVolume(const std::vector<int>& surfaces) {
+  std::vector<int> loops;
+  for (int surface : surfaces) {
+    loops.push_back(OCTET_GMSH(gmshModelGeoAddSurfaceLoop, &surface, std::size_t{1}, kNextTag));
+  }
+  OCTET_GMSH(gmshModelGeoAddVolume, loops.data(), loops.size(), kNextTag);
+}
+
+void GmshApi::generateVolumes() {
+  call<decltype(gmshModelGeoSynchronize)>("gmshModelGeoSynchronize");
+  OCTET_GMSH(gmshModelMeshGenerate, 3);
 }
 
 }  // namespace octet::gmsh_import

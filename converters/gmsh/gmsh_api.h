@@ -7,7 +7,7 @@
 
 namespace octet::gmsh_import {
 
-/// @brief The part of Gmsh's C API that reading a mesh takes, as C++.
+/// @brief The part of Gmsh's C API that reading and making a mesh takes, as C++.
 ///
 /// The library is loaded here, and not linked, because it brings some 80 others along (OpenCASCADE,
 /// X11): starting a program linked to it takes 0.15 s, six times as long as without.
@@ -57,6 +57,16 @@ class GmshApi {
     int components = 0;
   };
   ViewData viewData(int view, int step);
+
+  void setOption(const std::string& name, double value);
+  /// A surface of triangles; nodes belong to the first one and count from 1.
+  int addSurface();
+  void addNodes(int surface, std::vector<double> coordinates);
+  void addTriangles(int surface, std::vector<std::size_t> nodes);
+  /// The volume within the first of some surfaces and outside of the others.
+  void addVolume(const std::vector<int>& surfaces);
+  /// Meshes all volumes; surfaces keep their triangles.
+  void generateVolumes();
 
  private:
   template <typename Function, typename... Arguments>

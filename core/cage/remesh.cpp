@@ -28,7 +28,7 @@ class Remesher {
  public:
   Remesher(const TriangleSurface& surface, const RemeshOptions& options)
       : options_(options),
-        sharp_(findSharpEdges(surface, options.sharpAngle)),
+        sharp_(findSharpEdges(surface, options.sharpAngle, options.edgeLength)),
         mesh_(surface, sharp_),
         x_(surface.vertices.begin(), surface.vertices.end()),
         given_(turned()),

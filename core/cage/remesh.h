@@ -22,8 +22,8 @@ struct RemeshedSurface {
 /// split, collapsed and turned, and vertices moved along the surface, until edges are about as long
 /// as wanted (M. Botsch, L. Kobbelt, A remeshing approach to multiresolution modeling, 2004).
 ///
-/// Vertices lie on the surface given, to rounding. Sharp edges stay: their corners are vertices,
-/// and vertices on them move along them only. Triangles come out oriented like their neighbours;
+/// Vertices lie on the surface given, to rounding. Sharp edges stay, but for connected ones shorter
+/// than one edge: their corners are vertices, and vertices on them move along them only. Triangles come out oriented like their neighbours;
 /// where the surface is finer than the wanted edges, as around thin parts, they stay smaller.
 /// Deterministic, one thread but for searches. That the result does not intersect itself is for
 /// findSelfIntersection to tell.

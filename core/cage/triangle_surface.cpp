@@ -173,6 +173,24 @@ double TriangleSurface::volume() const {
   return sum / 6;
 }
 
+TriangleSurface boxSurface(const Box& box) {
+  if (box.empty() || !box.size().allFinite() || !(box.size().minCoeff() > 0)) {
+    throw InputError("box", "is empty or not finite");
+  }
+  TriangleSurface surface;
+  for (int k = 0; k < 8; ++k) {
+    const auto side = [&](int axis) { return (k >> axis & 1 ? box.max : box.min)[axis]; };
+    surface.vertices.emplace_back(side(0), side(1), side(2));
+  }
+  constexpr Index kSides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                  {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  for (const auto& [a, b, c, d] : kSides) {
+    surface.triangles.push_back({a, b, c});
+    surface.triangles.push_back({a, c, d});
+  }
+  return surface;
+}
+
 ClosestPoints::ClosestPoints(const TriangleSurface& surface)
     : surface_(surface), tree_(boxesOf(surface)) {}
 

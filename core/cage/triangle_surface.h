@@ -17,6 +17,9 @@ struct TriangleSurface {
   double volume() const;
 };
 
+/// The surface of a box. @throws InputError when it is empty or not finite
+TriangleSurface boxSurface(const Box& box);
+
 /// A point of a surface.
 struct SurfacePoint {
   Vec3 position = Vec3::Zero();

@@ -8,6 +8,9 @@
 #include <octet/converters/surface/read_surface.h>
 #include <octet/core/base/error.h>
 #include <octet/core/cage/box_cage.h>
+#ifdef OCTETVDB_WITH_GMSH
+#include <octet/converters/gmsh/fill_tetrahedra.h>
+#endif
 
 #include "commands.h"
 #include "console.h"
@@ -18,21 +21,32 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+enum class Cells { Lattice, Tetrahedra };
+
 struct Arguments {
   std::string input, output, name;
   std::vector<double> box;
+  Cells cells = Cells::Lattice;
   SurfaceReadOptions read;
   FillOptions fill;
+  double sharpAngle = kSharpAngle;
+  bool keepTriangles = false;
   AssetUnits units;
   bool json = false;
+  std::vector<const CLI::Option*> ofLattice, ofTetrahedra;  ///< options of one kind of cells
 };
 
-Json fillBox(const Arguments& arguments, ControlMesh* mesh) {
+Box boxOf(const Arguments& arguments) {
   Box box;
   for (int k = 0; k < 3; ++k) {
     box.min[k] = arguments.box[k];
     box.max[k] = arguments.box[k + 3];
   }
+  return box;
+}
+
+Json fillBox(const Arguments& arguments, ControlMesh* mesh) {
+  const Box box = boxOf(arguments);
   *mesh = ControlMesh::build(boxCage(box, arguments.fill.spacing));
   return {{"body_volume", box.size().prod()}};
 }
@@ -48,15 +62,57 @@ Json toJson(const BoundaryFitReport& fit) {
           {"smallest_corner_volume", fit.minVolume}};
 }
 
+/// An error of a fill, by the option or the file that it is about.
+InputError asUserSees(const InputError& e, const std::string& input) {
+  if (e.place() == "spacing" || e.place() == "sharp-angle") {
+    return InputError("--" + e.place(), e.reason());
+  }
+  if (e.place() == "fit") return InputError("--fit-boundary", e.reason());
+  return input.empty() ? InputError("--box", e.reason()) : e.inFile(input);
+}
+
+#ifdef OCTETVDB_WITH_GMSH
+Json fillTetrahedra(const Arguments& arguments, ControlMesh* mesh) {
+  TetrahedraOptions options;
+  options.spacing = arguments.fill.spacing;
+  options.sharpAngle = arguments.sharpAngle;
+  options.keepTriangles = arguments.keepTriangles;
+  options.progress = arguments.fill.progress;
+  TetrahedraReport report;
+  std::size_t triangles = 0;
+  try {
+    const TriangleSurface surface = arguments.input.empty()
+                                        ? boxSurface(boxOf(arguments))
+                                        : readSurface(arguments.input, arguments.read);
+    triangles = surface.triangles.size();
+    *mesh = fillWithTetrahedra(surface, options, &report);
+  } catch (const InputError& e) {
+    throw e.file().empty() ? asUserSees(e, arguments.input) : e;
+  }
+  return {{"surface_triangles", triangles},
+          {"bodies", report.bodies},
+          {"cavities", report.cavities},
+          {"body_volume", report.bodyVolume},
+          {"boundary", report.remeshed ? "remeshed" : "the surface's triangles"},
+          {"max_facet_distance", report.surfaceDistance},
+          {"sharp_length", report.sharpLength},
+          {"crease_length", report.creaseLength}};
+}
+#else
+Json fillTetrahedra(const Arguments&, ControlMesh*) {
+  throw InputError("--cells",
+                   "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which "
+                   "makes tetrahedra");
+}
+#endif
+
 Json fillInput(const Arguments& arguments, ControlMesh* mesh) {
   const TriangleSurface surface = readSurface(arguments.input, arguments.read);
   FillReport report;
   try {
     *mesh = fillSurface(surface, arguments.fill, &report);
   } catch (const InputError& e) {
-    throw e.place() == "spacing" ? InputError("--spacing", e.reason())
-    : e.place() == "fit"         ? InputError("--fit-boundary", e.reason())
-                                 : e.inFile(arguments.input);
+    throw asUserSees(e, arguments.input);
   }
   Json summary = {{"surface_triangles", surface.triangles.size()},
                   {"bodies", report.bodies},
@@ -74,6 +130,12 @@ void checkArguments(const Arguments& arguments) {
   if (arguments.input.empty() == arguments.box.empty()) {
     throw InputError("", "fill takes either INPUT or --box");
   }
+  const bool lattice = arguments.cells == Cells::Lattice;
+  for (const CLI::Option* option : lattice ? arguments.ofTetrahedra : arguments.ofLattice) {
+    if (option->count() == 0) continue;
+    throw InputError(option->get_name(),
+                     std::string("is for --cells ") + (lattice ? "tetrahedra" : "lattice"));
+  }
   if (!(arguments.fill.depth >= 0.1 && arguments.fill.depth <= 2)) {
     throw InputError("--depth", "is not between 0.1 and 2");
   }
@@ -85,8 +147,10 @@ void run(Arguments& arguments) {
   arguments.fill.progress = consoleProgress();
   ControlAsset asset;
   Json summary = {{"output", arguments.output}};
-  summary["fill"] =
-      arguments.box.empty() ? fillInput(arguments, &asset.mesh) : fillBox(arguments, &asset.mesh);
+  const auto fill = arguments.cells == Cells::Tetrahedra ? fillTetrahedra
+                    : arguments.box.empty()              ? fillInput
+                                                         : fillBox;
+  summary["fill"] = fill(arguments, &asset.mesh);
   asset.name = arguments.name;
   if (asset.name.empty()) {
     const std::string stem = std::filesystem::path(arguments.output).filename().string();
@@ -114,20 +178,33 @@ void addFill(CLI::App* program) {
       ->expected(6);
   command->add_option("-o,--output", arguments->output, "Cage to write (*.octet.json, *.octet)")
       ->required();
-  command
-      ->add_option("--spacing", arguments->fill.spacing, "Edge length of the lattice, world units")
+  command->add_option("--spacing", arguments->fill.spacing, "Edge length of cells, world units")
       ->required();
+  addChoice<Cells>(command, "--cells", &arguments->cells,
+                   {{"lattice", Cells::Lattice}, {"tetrahedra", Cells::Tetrahedra}},
+                   "The regular lattice of tetrahedra and octahedra, or tetrahedra made by Gmsh, "
+                   "whose boundary follows sharp edges exactly");
   command
-      ->add_option("--depth", arguments->fill.depth,
-                   "How deep inside, in spacings, interior vertices lie at least")
+      ->add_option("--sharp-angle", arguments->sharpAngle,
+                   "Edges where the surface turns by more, in degrees, become creases")
       ->capture_default_str();
-  command->add_flag("--fit-boundary", arguments->fill.fitBoundary,
-                    "Move boundary vertices onto the surface, inverting no cell");
-  command->add_option("--fit-rounds", arguments->fill.fit.rounds, "Sweeps of --fit-boundary")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_flag("--allow-self-intersections", arguments->fill.allowIntersections,
-                    "Fill what a surface that intersects itself encloses, instead of refusing it");
+  arguments->ofTetrahedra = {
+      command->add_flag("--keep-triangles", arguments->keepTriangles,
+                        "Tetrahedra: take the surface's triangles as they are; by default they "
+                        "are remeshed unless about as large as the spacing")};
+  arguments->ofLattice = {
+      command
+          ->add_option("--depth", arguments->fill.depth,
+                       "Lattice: how deep inside, in spacings, interior vertices lie at least")
+          ->capture_default_str(),
+      command->add_flag("--fit-boundary", arguments->fill.fitBoundary,
+                        "Lattice: move boundary vertices onto the surface, inverting no cell"),
+      command->add_option("--fit-rounds", arguments->fill.fit.rounds, "Sweeps of --fit-boundary")
+          ->check(CLI::Range(1, 10000))
+          ->capture_default_str(),
+      command->add_flag(
+          "--allow-self-intersections", arguments->fill.allowIntersections,
+          "Lattice: fill what a surface that intersects itself encloses, instead of refusing it")};
   command->add_option("--grid", arguments->read.grid,
                       "Grid of a .vdb; the first scalar one by default");
   command->add_option("--isovalue", arguments->read.isovalue,
