@@ -18,8 +18,9 @@ namespace {
 
 using namespace gmsh_import;
 
-/// A surface whose edges' lengths are within these, in spacings, is taken as it is.
-constexpr double kShortEdge = 0.5, kLongEdge = 1.6;
+/// A surface whose edges' lengths are within these, in spacings, and on average within those, is
+/// taken as it is.
+constexpr double kShortEdge = 0.5, kLongEdge = 1.6, kShortMean = 0.8, kLongMean = 1.25;
 /// And whose triangles are at least this high, of their longest edge.
 constexpr double kFlatTriangle = 0.2;
 /// A remeshed body with less than this of its volume is too small for the spacing.
@@ -42,18 +43,24 @@ double area(const TriangleSurface& s, const std::array<Index, 3>& t) {
          2;
 }
 
-/// Are all triangles about as large as wanted?
+/// Are the triangles about as large as wanted?
 bool suits(const TriangleSurface& s, double spacing) {
-  return std::all_of(s.triangles.begin(), s.triangles.end(), [&](const auto& t) {
+  double sum = 0;
+  for (const auto& t : s.triangles) {
     double shortest = HUGE_VAL, longest = 0;
     for (int k = 0; k < 3; ++k) {
       const double length = edgeLength(s, {t[k], t[(k + 1) % 3]});
       shortest = std::min(shortest, length);
       longest = std::max(longest, length);
+      sum += length;
     }
-    return shortest >= kShortEdge * spacing && longest <= kLongEdge * spacing &&
-           2 * area(s, t) >= kFlatTriangle * longest * longest;
-  });
+    if (shortest < kShortEdge * spacing || longest > kLongEdge * spacing ||
+        2 * area(s, t) < kFlatTriangle * longest * longest) {
+      return false;
+    }
+  }
+  const double mean = sum / (3 * static_cast<double>(s.triangles.size()));
+  return mean >= kShortMean * spacing && mean <= kLongMean * spacing;
 }
 
 /// Bodies less cavities.
@@ -130,7 +137,8 @@ class TetrahedraFill {
   // ---- the boundary -----------------------------------------------------------------------------
 
   void chooseBoundary() {
-    const SharpEdges sharp = findSharpEdges(given_, options_.sharpAngle, options_.spacing);
+    const SharpEdges sharp =
+        findSharpEdges(given_, options_.sharpAngle, kLeastSharp * options_.spacing);
     report_.sharpLength = lengthOf(given_, sharp.edges);
     report_.remeshed = !options_.keepTriangles && !suits(given_, options_.spacing);
     if (report_.remeshed) {

@@ -23,10 +23,10 @@ struct RemeshedSurface {
 /// as wanted (M. Botsch, L. Kobbelt, A remeshing approach to multiresolution modeling, 2004).
 ///
 /// Vertices lie on the surface given, to rounding. Sharp edges stay, but for connected ones shorter
-/// than one edge: their corners are vertices, and vertices on them move along them only. Triangles come out oriented like their neighbours;
-/// where the surface is finer than the wanted edges, as around thin parts, they stay smaller.
-/// Deterministic, one thread but for searches. That the result does not intersect itself is for
-/// findSelfIntersection to tell.
+/// than two edges: their corners are vertices, and vertices on them move along them only. Triangles
+/// come out oriented like their neighbours; where the surface is finer than the wanted edges, as
+/// around thin parts, they stay smaller. Deterministic, one thread but for searches. That the
+/// result does not intersect itself is for findSelfIntersection to tell.
 /// @throws InputError for edges without two triangles, vertices at which the surface touches
 /// itself, and one-sided surfaces; Cancelled
 RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options);

@@ -10,6 +10,9 @@ namespace octet {
 /// Angle from flat, in degrees, beyond which an edge is sharp: that of a control mesh' creases.
 inline constexpr double kSharpAngle = 40;
 
+/// Connected sharp edges shorter than this altogether, in edges of a cage, are noise to it.
+inline constexpr double kLeastSharp = 2;
+
 /// The sharp edges of a surface, joined to chains that run from corner to corner or around.
 struct SharpEdges {
   std::vector<std::array<Index, 2>> edges;  ///< vertices ascending, in lexicographic order

@@ -3,7 +3,6 @@
 // interior, boundary vertices lie on the surface, no cell is inverted; what encloses nothing is
 // refused.
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -15,101 +14,12 @@
 #include <octet/core/cage/quality.h>
 
 #include "tests/support/meshes.h"
+#include "tests/support/surfaces.h"
 
 namespace octet {
 namespace {
 
-/// A closed surface over the parameters of a torus (`closedPoles` false) or a sphere.
-TriangleSurface surfaceOf(int n, int m, bool sphere,
-                          const std::function<Vec3(double, double)>& at) {
-  TriangleSurface s;
-  const int rows = sphere ? n - 1 : n;
-  for (int i = 0; i < rows; ++i) {
-    for (int j = 0; j < m; ++j) {
-      const double u = sphere ? M_PI * (i + 1) / n : 2 * M_PI * i / n;
-      s.vertices.push_back(at(u, 2 * M_PI * j / m));
-    }
-  }
-  const auto id = [&](int i, int j) { return static_cast<Index>((i % rows) * m + j % m); };
-  for (int i = 0; i < (sphere ? rows - 1 : rows); ++i) {
-    for (int j = 0; j < m; ++j) {
-      s.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
-      s.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
-    }
-  }
-  if (!sphere) return s;
-  const Index top = static_cast<Index>(s.vertices.size()), bottom = top + 1;
-  s.vertices.push_back(at(0, 0));
-  s.vertices.push_back(at(M_PI, 0));
-  for (int j = 0; j < m; ++j) {
-    s.triangles.push_back({top, id(0, j), id(0, j + 1)});
-    s.triangles.push_back({bottom, id(rows - 1, j + 1), id(rows - 1, j)});
-  }
-  return s;
-}
-
-Vec3 direction(double u, double v) {
-  return {std::sin(u) * std::cos(v), std::sin(u) * std::sin(v), std::cos(u)};
-}
-
-TriangleSurface ball(double radius, const Vec3& centre = Vec3::Zero(), int n = 32) {
-  return surfaceOf(n, 2 * n, true,
-                   [&](double u, double v) -> Vec3 { return centre + radius * direction(u, v); });
-}
-
-TriangleSurface torus() {
-  return surfaceOf(64, 32, false, [](double u, double v) {
-    const double r = 1 + 0.35 * std::cos(v);
-    return Vec3(r * std::cos(u), r * std::sin(u), 0.35 * std::sin(v));
-  });
-}
-
-/// A ball with random bumps and dents, a few waves around it.
-TriangleSurface blob(std::uint32_t seed) {
-  const auto r = testing::randomValues(24, seed);
-  return surfaceOf(48, 96, true, [r](double u, double v) -> Vec3 {
-    const Vec3 p = direction(u, v);
-    double radius = 1;
-    for (int k = 0; k < 6; ++k) {
-      const Vec3 q(r[4 * k], r[4 * k + 1], r[4 * k + 2]);
-      radius += 0.09 * std::sin(4 * q.dot(p) + 3 * r[4 * k + 3]);
-    }
-    return radius * p;
-  });
-}
-
-TriangleSurface boxSurface(const Vec3& a, const Vec3& b) {
-  TriangleSurface s;
-  for (int k = 0; k < 8; ++k) {
-    s.vertices.emplace_back(k & 1 ? b[0] : a[0], k & 2 ? b[1] : a[1], k & 4 ? b[2] : a[2]);
-  }
-  constexpr Index kQuads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                  {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  for (const auto& q : kQuads) {
-    s.triangles.push_back({q[0], q[1], q[2]});
-    s.triangles.push_back({q[0], q[2], q[3]});
-  }
-  return s;
-}
-
-TriangleSurface joined(TriangleSurface a, const TriangleSurface& b, bool reversed = false) {
-  const Index first = static_cast<Index>(a.vertices.size());
-  a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-  for (auto t : b.triangles) {
-    for (Index& v : t) v += first;
-    if (reversed) std::swap(t[0], t[1]);
-    a.triangles.push_back(t);
-  }
-  return a;
-}
-
-double volumeOf(const ControlMesh& mesh) {
-  double volume = 0;
-  for (Index cell = 0; cell < mesh.complex()->cellCount(); ++cell) {
-    volume += std::abs(cellVolume6(*mesh.complex(), mesh.positions(), cell)) / 6;
-  }
-  return volume;
-}
+using namespace testing;
 
 void expectRegularAndManifold(const ControlMesh& mesh) {
   const Complex& c = *mesh.complex();
@@ -190,12 +100,13 @@ TEST(FillSurface, PartsWithinPartsAreCavitiesWhicheverWayTheyTurn) {
 
 TEST(FillSurface, PlatesKeepTheirThicknessAndThinOnesAreRefused) {
   FillReport report;
-  const ControlMesh mesh = fitted(boxSurface(Vec3(0, 0, 0), Vec3(2, 1.7, 0.5)), 0.2, &report);
+  const ControlMesh mesh =
+      fitted(boxSurface(boxOf(Vec3(0, 0, 0), Vec3(2, 1.7, 0.5))), 0.2, &report);
   EXPECT_NEAR(volumeOf(mesh), 1.7, 0.12);
   FillOptions options;
   options.spacing = 0.2;
   try {
-    fillSurface(boxSurface(Vec3(0, 0, 0), Vec3(2, 1.7, 0.1)), options);
+    fillSurface(boxSurface(boxOf(Vec3(0, 0, 0), Vec3(2, 1.7, 0.1))), options);
     FAIL() << "a plate thinner than the lattice was filled";
   } catch (const InputError& e) {
     EXPECT_NE(e.reason().find("too coarse"), std::string::npos) << e.what();
@@ -255,9 +166,9 @@ TEST(FillSurface, FillsWhatIntersectingPartsEncloseWhenTold) {
 }
 
 TEST(ClosestPoints, AreExactOnABox) {
-  const TriangleSurface box = boxSurface(Vec3(-1, -1, -1), Vec3(1, 1, 1));
+  const TriangleSurface box = boxSurface(boxOf(Vec3(-1, -1, -1), Vec3(1, 1, 1)));
   const ClosestPoints closest(box);
-  const auto r = testing::randomValues(3 * 500, 9);
+  const auto r = randomValues(3 * 500, 9);
   for (int k = 0; k < 500; ++k) {
     const Vec3 p = 2 * Vec3(r[3 * k], r[3 * k + 1], r[3 * k + 2]);
     const Vec3 clamped = p.cwiseMax(-1).cwiseMin(1);

@@ -6,10 +6,12 @@ line, and nothing written. Arguments: the octetvdb command.
 import json
 import math
 import os
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy
@@ -174,6 +176,122 @@ class Fill(CommandTest):
         both = obj(vertices + crossing, triangles +
                    [tuple(v + len(vertices) for v in t) for t in triangles])
         self.refuse("intersects itself", *fill("cross.obj", both))
+
+
+class Tetrahedra(CommandTest):
+    """--cells tetrahedra, where the command was built with Gmsh."""
+
+    def setUp(self):
+        super().setUp()
+        done = self.fill("--box", "0", "0", "0", "1", "1", "1", spacing="1")
+        if "built without Gmsh" in done.stderr:
+            self.assertEqual(done.returncode, 2)
+            self.skipTest("without Gmsh")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def fill(self, *arguments, spacing="0.3", name="cage.octet.json"):
+        return self.run_it("fill", *arguments, "--cells", "tetrahedra", "--spacing", spacing, "-o",
+                           self.path(name), "--json")
+
+    def check(self, done):
+        """The summary, which info tells too; nothing but tetrahedra."""
+        self.assertEqual(done.returncode, 0, done.stderr)
+        summary = json.loads(done.stdout)
+        info = self.succeed("info", summary["output"])
+        for key in ("vertices", "tetrahedra", "creases", "corners", "quality", "volume"):
+            self.assertEqual(info[key], summary[key], key)
+        self.assertEqual(summary["octahedra"], 0)
+        self.assertEqual(summary["quality"]["touching_vertices"], 0)
+        self.assertEqual(summary["quality"]["touching_edges"], 0)
+        self.assertGreater(summary["quality"]["dihedral_angles"][0], 5)
+        return summary
+
+    def test_box_has_its_edges(self):
+        for name in ("box.octet.json", "box.octet"):
+            summary = self.check(self.fill("--box", "-1", "0", "0", "1", "1", "3", "--name", "room",
+                                           "--up-axis", "y", name=name))
+            self.assertAlmostEqual(summary["volume"], 6, delta=1e-11)
+            self.assertEqual(summary["corners"], 8)
+            self.assertAlmostEqual(summary["fill"]["crease_length"], 24, delta=1e-11)
+            self.assertEqual(summary["fill"]["boundary"], "remeshed")
+            info = self.succeed("info", summary["output"])
+            self.assertEqual((info["name"], info["up_axis"]), ("room", "Y"))
+
+    def test_obj_stl_and_level_set(self):
+        mesh = ball()
+        for name, content in (("a.obj", obj(*mesh)), ("b.stl", binary_stl(*mesh))):
+            summary = self.check(self.fill(self.path(name, content)))
+            self.assertAlmostEqual(summary["volume"], 4.19, delta=0.2)
+            self.assertEqual(summary["creases"], 0)
+        bunny = self.path("bunny.vdb")
+        subprocess.run([sys.executable, BUNNY, bunny], check=True)
+        summary = self.check(self.fill(bunny, spacing="0.15"))
+        body = summary["fill"]["body_volume"]
+        self.assertAlmostEqual(summary["volume"], body, delta=0.05 * body)
+
+    def test_cavities_stay_empty(self):
+        vertices, triangles = ball()
+        inner = [(x / 2, y / 2, z / 2) for x, y, z in vertices]
+        both = obj(vertices + inner, triangles +
+                   [tuple(v + len(vertices) for v in t) for t in triangles])
+        summary = self.check(self.fill(self.path("shell.obj", both), spacing="0.2"))
+        self.assertEqual((summary["fill"]["bodies"], summary["fill"]["cavities"]), (1, 1))
+        self.assertAlmostEqual(summary["volume"], 4.19 * 7 / 8, delta=0.1)
+
+    def test_options(self):
+        coarse = self.path("ball.obj", obj(*ball(8)))
+        self.assertEqual(self.check(self.fill(coarse, spacing="0.4"))["fill"]["boundary"], "remeshed")
+        summary = self.check(self.fill(coarse, "--keep-triangles", spacing="0.4"))
+        self.assertEqual(summary["boundary_facets"], summary["fill"]["surface_triangles"])
+        box = ("--box", "0", "0", "0", "1", "1", "1")
+        self.assertEqual(self.check(self.fill(*box, "--sharp-angle", "91"))["creases"], 0)
+        self.assertEqual(self.check(self.fill(*box, "--sharp-angle", "89"))["corners"], 8)
+
+    def test_refuses_bad_input(self):
+        vertices, triangles = ball()
+        good = self.path("ball.obj", obj(vertices, triangles))
+        cells = ("--cells", "tetrahedra")
+        self.refuse("--spacing: is too coarse", "fill", good, *cells, "--spacing", "4")
+        self.refuse("--spacing: is too fine", "fill", good, *cells, "--spacing", "1e-5")
+        self.refuse("not a positive number", "fill", good, *cells, "--spacing", "nan")
+        self.refuse("is empty", "fill", "--box", "0", "0", "0", "1", "1", "0", *cells, "--spacing",
+                    "1")
+        self.refuse("--sharp-angle", "fill", good, *cells, "--spacing", "1", "--sharp-angle", "0")
+        for option in (("--fit-boundary",), ("--depth", "1"), ("--allow-self-intersections",)):
+            self.refuse(option[0] + ": is for --cells lattice", "fill", good, *cells, "--spacing",
+                        "1", *option)
+        self.refuse("--keep-triangles: is for --cells tetrahedra", "fill", good, "--spacing", "1",
+                    "--keep-triangles")
+        fill = lambda name, content: ("fill", self.path(name, content), *cells, "--spacing", "0.3")
+        self.refuse("open.obj", *fill("open.obj", obj(vertices, triangles[1:])))
+        self.refuse("", *fill("empty.obj", ""))
+        crossing = [(x + 1, y, z) for x, y, z in vertices]
+        both = obj(vertices + crossing, triangles +
+                   [tuple(v + len(vertices) for v in t) for t in triangles])
+        self.refuse("intersects itself", *fill("cross.obj", both))
+
+    def test_ctrl_c_ends_gmsh_and_leaves_nothing(self):
+        out = self.path("interrupted.octet.json")
+        process = subprocess.Popen([OCTETVDB, "fill", "--box", "0", "0", "0", "1", "1", "1",
+                                    "--cells", "tetrahedra", "--spacing", "0.012", "-o", out],
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        children = f"/proc/{process.pid}/task/{process.pid}/children"
+        deadline = time.monotonic() + 120
+
+        def child_of(path):
+            with open(path) as file:
+                return file.read().strip()
+
+        while not child_of(children) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        child = child_of(children)
+        self.assertTrue(child, "Gmsh did not start")
+        os.killpg(process.pid, signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertEqual(errors, "octetvdb: cancelled\n")
+        self.assertFalse(os.path.exists(out))
+        self.assertFalse(os.path.exists(f"/proc/{child}"))
 
 
 class Add(CommandTest):

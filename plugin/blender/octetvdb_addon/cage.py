@@ -35,7 +35,9 @@ class OCTETVDB_OT_make_cage(bpy.types.Operator):
 
     shape: EnumProperty(
         name="Shape", default="FILL",
-        items=(("FILL", "Fill", "Fill the closed surface"),
+        items=(("FILL", "Fill", "Fill the closed surface with the regular lattice"),
+               ("TETRAHEDRA", "Tetrahedra",
+                "Fill the closed surface with tetrahedra, made by Gmsh; sharp edges become creases"),
                ("BOX", "Box", "A box around the mesh, with flat walls")))
     spacing: FloatProperty(name="Spacing", default=-1, min=-1,
                            description="Edge length of cells; -1 takes the panel's, 0 an eighth of "
@@ -60,6 +62,8 @@ class OCTETVDB_OT_make_cage(bpy.types.Operator):
         spacing = spacing or (high - low).max() / _CELLS_ACROSS
         if self.shape == "BOX":
             control = octetvdb.box_cage(low, high, spacing)
+        elif self.shape == "TETRAHEDRA":
+            control = octetvdb.fill_tetrahedra(points, triangles, spacing)
         else:
             control = octetvdb.fill_surface(points, triangles, spacing,
                                             fit_boundary=settings.fit_boundary)

@@ -23,8 +23,8 @@ from ._octetvdb import (BakedFile, BakeReport, CageQuality, Cancelled, Certifica
                         GuideVector, InputError, IoError, PointSource, Refiner, RigidRotation,
                         SampledFrame, ThreadLimit, UniformFlow, VerifiedGrid, VortexLine,
                         VortexRing, __version__, bake, box_cage, cage_quality, fill_surface,
-                        integrate, nearest_closed, read_grid_info, sample_velocity, spaced_points,
-                        streamlines, verify)
+                        fill_tetrahedra, integrate, nearest_closed, read_grid_info,
+                        sample_velocity, spaced_points, streamlines, verify)
 from ._meshio import from_meshio, to_meshio
 from ._preview import preview
 
@@ -32,7 +32,8 @@ __all__ = ["BakedFile", "BakeReport", "CageQuality", "Cancelled", "Certificate",
            "ControlAsset", "ControlMesh", "CurlNoise", "Error", "Field", "Fit", "FitReport",
            "FitResult", "Form", "GridInfo", "GuideConflict", "GuideCurve", "GuideReport",
            "GuideVector", "InputError", "IoError", "PointSource", "Refiner", "RigidRotation",
-           "SampledFrame", "ThreadLimit", "UniformFlow", "VerifiedGrid", "VortexLine", "VortexRing",
-           "__version__", "bake", "box_cage", "cage_quality", "fill_surface", "from_meshio",
-           "integrate", "nearest_closed", "preview", "read_grid_info", "sample_velocity",
-           "spaced_points", "streamlines", "to_meshio", "verify"]
+           "SampledFrame", "ThreadLimit", "UniformFlow", "VerifiedGrid", "VortexLine",
+           "VortexRing", "__version__", "bake", "box_cage", "cage_quality", "fill_surface",
+           "fill_tetrahedra", "from_meshio", "integrate", "nearest_closed", "preview",
+           "read_grid_info", "sample_velocity", "spaced_points", "streamlines", "to_meshio",
+           "verify"]

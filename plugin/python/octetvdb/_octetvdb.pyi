@@ -322,6 +322,15 @@ def fill_surface(
     allow_intersections: bool = ...,
     progress: _Progress = ...,
 ) -> ControlMesh: ...
+def fill_tetrahedra(
+    vertices: ArrayLike,
+    triangles: ArrayLike,
+    spacing: float,
+    *,
+    sharp_angle: float = ...,
+    keep_triangles: bool = ...,
+    progress: _Progress = ...,
+) -> ControlMesh: ...
 def cage_quality(mesh: ControlMesh) -> CageQuality: ...
 def streamlines(
     field: Field,

@@ -3,6 +3,10 @@
 #include <octet/core/base/error.h>
 #include <octet/core/cage/box_cage.h>
 #include <octet/core/cage/quality.h>
+#include <octet/core/cage/sharp_edges.h>
+#ifdef OCTETVDB_WITH_GMSH
+#include <octet/converters/gmsh/fill_tetrahedra.h>
+#endif
 
 #include "arrays.h"
 #include "bindings.h"
@@ -47,6 +51,25 @@ std::shared_ptr<ControlMesh> makeFilledCage(const py::object& vertices, const py
   return withoutGil([&] { return std::make_shared<ControlMesh>(fillSurface(surface, options)); });
 }
 
+std::shared_ptr<ControlMesh> makeTetrahedra(const py::object& vertices, const py::object& triangles,
+                                            double spacing, double sharpAngle, bool keepTriangles,
+                                            const py::object& progress) {
+  const TriangleSurface surface = surfaceFrom(vertices, triangles);
+#ifdef OCTETVDB_WITH_GMSH
+  TetrahedraOptions options;
+  options.spacing = spacing;
+  options.sharpAngle = sharpAngle;
+  options.keepTriangles = keepTriangles;
+  options.progress = progressCallback(progress);
+  return withoutGil(
+      [&] { return std::make_shared<ControlMesh>(fillWithTetrahedra(surface, options)); });
+#else
+  (void)spacing, (void)sharpAngle, (void)keepTriangles, (void)progress;
+  throw InputError("", "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which makes "
+                       "tetrahedra");
+#endif
+}
+
 CageQuality qualityOf(const ControlMesh& mesh) {
   return withoutGil([&] { return measureQuality(*mesh.complex(), mesh.positions()); });
 }
@@ -76,6 +99,22 @@ progress:  called as progress(stage, done, total, unit); returning False raises 
 A part of the surface within another is a cavity. The boundary is a manifold, without a fit within
 about a spacing of the surface.
 Releases the GIL. Raises InputError: not closed, intersecting itself, too thin for the spacing.)");
+  module.def("fill_tetrahedra", &makeTetrahedra, py::arg("vertices"), py::arg("triangles"),
+             py::arg("spacing"), py::kw_only(), py::arg("sharp_angle") = kSharpAngle,
+             py::arg("keep_triangles") = false, py::arg("progress") = py::none(),
+             R"(A closed surface filled with tetrahedra by Gmsh, which runs in a process of its own.
+
+vertices:  float (n, 3), world units
+triangles: int (n, 3), in any orientation
+spacing:   edge length of the tetrahedra, world units
+sharp_angle: edges where the surface turns by more, in degrees, become creases; 180 makes none
+keep_triangles: take the surface's triangles as they are; by default they are remeshed unless
+           about as large as the spacing
+progress:  called as progress(stage, done, total, unit); returning False raises Cancelled
+The boundary lies on the surface and follows its sharp edges. A part of the surface within another
+is a cavity.
+Releases the GIL. Raises InputError: not closed, intersecting or touching itself, too thin for the
+spacing, what Gmsh cannot mesh, and where the library was built without Gmsh.)");
   py::class_<CageQuality>(module, "CageQuality", py::module_local(),
                           "How well a control mesh is shaped.")
       .def_readonly("min_dihedral", &CageQuality::minDihedral,

@@ -128,6 +128,21 @@ def check_cage_from_mesh():
         assert face.normal.dot(face.center - ball.location) > 0
 
 
+def check_tetrahedra_keep_sharp_edges():
+    start_over()
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    try:
+        bpy.ops.octetvdb.make_cage(shape="TETRAHEDRA", spacing=0.8)
+    except RuntimeError as e:
+        assert "without Gmsh" in str(e), e
+        return
+    control = cage_mesh.read(bpy.context.object)
+    assert len(control.octahedra) == 0
+    assert abs(control.cell_volumes.sum() - 8) < 1e-5
+    ends = control.vertices[control.creases]
+    assert abs(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() - 24) < 1e-5
+
+
 def check_cage_keeps_creases_and_edits():
     start_over()
     bpy.ops.mesh.primitive_cube_add(size=2)

@@ -73,6 +73,42 @@ def test_filled_surface_is_the_command_line_s(tmp_path, fit_boundary):
         assert np.abs(radii - 1).max() < 0.5
 
 
+def tetrahedra_or_skip(*arguments, **options):
+    try:
+        return octetvdb.fill_tetrahedra(*arguments, **options)
+    except octetvdb.InputError as e:
+        if "built without Gmsh" in str(e):
+            pytest.skip("without Gmsh")
+        raise
+
+
+def test_tetrahedra_keep_the_edges_of_a_cube():
+    corners = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], float)
+    quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    mesh = tetrahedra_or_skip(corners, triangles, 0.4)
+    assert len(mesh.octahedra) == 0
+    assert mesh.cell_volumes.sum() == pytest.approx(1)
+    ends = mesh.vertices[mesh.creases]
+    assert np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() == pytest.approx(12)
+    assert octetvdb.cage_quality(mesh).min_dihedral > 10
+    assert len(octetvdb.fill_tetrahedra(corners, triangles, 0.4, sharp_angle=91).creases) == 0
+    kept = octetvdb.fill_tetrahedra(corners, triangles, 0.4, keep_triangles=True)
+    assert len(kept.complex.boundary_facets) == 12
+    with pytest.raises(octetvdb.InputError, match="not closed"):
+        octetvdb.fill_tetrahedra(corners, triangles[1:], 0.4)
+    with pytest.raises(octetvdb.Cancelled):
+        octetvdb.fill_tetrahedra(corners, triangles, 0.2,
+                                 progress=lambda stage, *_: stage != "mesh with Gmsh")
+
+    def fail(stage, *_):
+        if stage == "mesh with Gmsh":
+            raise KeyError(stage)
+
+    with pytest.raises(KeyError):
+        octetvdb.fill_tetrahedra(corners, triangles, 0.2, progress=fail)
+
+
 def test_bad_surfaces_are_refused():
     vertices, triangles = sphere()
     with pytest.raises(octetvdb.InputError, match="not closed"):

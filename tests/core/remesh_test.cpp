@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sharp edges and remeshing: whatever the surface, the triangles become about as long as wanted,
+// stay on the surface, and follow its sharp edges from corner to corner.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <octet/core/base/error.h>
+#include <octet/core/cage/half_edges.h>
+#include <octet/core/cage/remesh.h>
+
+#include "tests/support/meshes.h"
+#include "tests/support/surfaces.h"
+
+namespace octet {
+namespace {
+
+using namespace testing;
+
+TriangleSurface cube() { return boxSurface(boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1))); }
+
+double length(const TriangleSurface& s, Index a, Index b) {
+  return (s.vertices[a] - s.vertices[b]).norm();
+}
+
+double creaseLength(const RemeshedSurface& r) {
+  double sum = 0;
+  for (const auto& [a, b] : r.creases) sum += length(r.surface, a, b);
+  return sum;
+}
+
+/// V - E + F: 2 for each sphere, 0 for each torus.
+Index euler(const TriangleSurface& s) {
+  return static_cast<Index>(s.vertices.size()) - static_cast<Index>(s.triangles.size()) / 2;
+}
+
+std::vector<double> edgeLengths(const TriangleSurface& s) {
+  std::vector<double> lengths;
+  for (const auto& t : s.triangles) {
+    for (int k = 0; k < 3; ++k) lengths.push_back(length(s, t[k], t[(k + 1) % 3]));
+  }
+  std::sort(lengths.begin(), lengths.end());
+  return lengths;
+}
+
+double smallestAngle(const TriangleSurface& s) {
+  double smallest = 180;
+  for (const auto& t : s.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 a = s.vertices[t[(k + 1) % 3]] - s.vertices[t[k]];
+      const Vec3 b = s.vertices[t[(k + 2) % 3]] - s.vertices[t[k]];
+      smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
+    }
+  }
+  return smallest;
+}
+
+struct Case {
+  const char* name;
+  TriangleSurface surface;
+  double edge;
+};
+
+std::vector<Case> cases() {
+  return {{"cube_coarser", cube(), 0.09},
+          {"ell", ellSurface(), 0.21},
+          {"ball_finer", ball(1), 0.3},
+          {"ball_coarser", ball(1, Vec3::Zero(), 6), 0.11},
+          {"torus", torus(), 0.15},
+          {"bunny_like", bunnyLike(), 0.2},
+          {"blob", blob(3), 0.17},
+          {"needles", cylinder(1, 4, 128), 0.25},
+          {"nested", joined(ball(1), ball(0.5)), 0.2}};
+}
+
+class Remeshed : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Remeshed, IsOnTheSurfaceWithEdgesAsLongAsWanted) {
+  const auto& [name, surface, edge] = GetParam();
+  RemeshOptions options;
+  options.edgeLength = edge;
+  const RemeshedSurface r = remesh(surface, options);
+  EXPECT_NO_THROW(checkClosed(r.surface));
+  EXPECT_FALSE(findSelfIntersection(r.surface));
+  EXPECT_EQ(euler(r.surface), euler(surface));
+  EXPECT_NEAR(r.surface.volume(), surface.volume(), edge * edge * std::abs(surface.volume()));
+  const ClosestPoints closest(surface);
+  for (const Vec3& p : r.surface.vertices) EXPECT_LT(closest.find(p).distance, 1e-12);
+  const std::vector<double> lengths = edgeLengths(r.surface);
+  EXPECT_NEAR(lengths[lengths.size() / 2], edge, 0.2 * edge);
+  EXPECT_GT(lengths[lengths.size() / 20], 0.6 * edge);
+  EXPECT_LT(lengths.back(), 1.6 * edge);
+  EXPECT_GT(smallestAngle(r.surface), 15);
+}
+
+INSTANTIATE_TEST_SUITE_P(Surfaces, Remeshed, ::testing::ValuesIn(cases()),
+                         [](const auto& c) { return std::string(c.param.name); });
+
+TEST(Remesh, FollowsStraightSharpEdgesExactly) {
+  for (const double edge : {0.4, 0.13, 0.06}) {
+    RemeshOptions options;
+    options.edgeLength = edge;
+    const RemeshedSurface r = remesh(cube(), options);
+    EXPECT_NEAR(creaseLength(r), 12, 1e-12);
+    EXPECT_EQ(r.corners.size(), 8u);
+    EXPECT_NEAR(std::abs(r.surface.volume()), 1, 1e-12);
+    const RemeshedSurface ell = remesh(ellSurface(), options);
+    EXPECT_NEAR(creaseLength(ell), 22, 1e-12);
+    EXPECT_EQ(ell.corners.size(), 12u);
+    EXPECT_NEAR(std::abs(ell.surface.volume()), 3, 1e-12);
+  }
+}
+
+TEST(Remesh, FollowsCurvedSharpEdgesWithChords) {
+  RemeshOptions options;
+  options.edgeLength = 0.2;
+  const RemeshedSurface r = remesh(cylinder(1, 2, 128), options);
+  EXPECT_TRUE(r.corners.empty());
+  for (const auto& edge : r.creases) {
+    for (const Index v : edge) {
+      EXPECT_NEAR(r.surface.vertices[v].head<2>().norm(), 1, 3.1e-4);  // of the given chords
+      EXPECT_TRUE(r.surface.vertices[v][2] == 0 || r.surface.vertices[v][2] == 2);
+    }
+  }
+  EXPECT_NEAR(creaseLength(r), 4 * M_PI, 0.03);
+}
+
+TEST(Remesh, DoesNotDependOnOrientation) {
+  TriangleSurface turned = bunnyLike();
+  const auto random = randomValues(static_cast<Index>(turned.triangles.size()), 4);
+  for (std::size_t t = 1; t < random.size(); ++t) {
+    if (random[t] < 0) std::swap(turned.triangles[t][0], turned.triangles[t][1]);
+  }
+  RemeshOptions options;
+  options.edgeLength = 0.25;
+  const RemeshedSurface r = remesh(turned, options);
+  EXPECT_NEAR(std::abs(r.surface.volume()), std::abs(bunnyLike().volume()), 0.2);
+}
+
+TEST(Remesh, RefusesWhatIsNoManifold) {
+  RemeshOptions options;
+  options.edgeLength = 0.3;
+  const auto refused = [&](const TriangleSurface& surface, const std::string& reason) {
+    try {
+      remesh(surface, options);
+      ADD_FAILURE() << "remeshed, although " << reason;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
+    }
+  };
+  const auto two = [](const Vec3& at) {
+    return welded(joined(cube(), boxSurface(boxOf(at, at + Vec3(1, 1, 1)))));
+  };
+  refused(two(Vec3(1, 1, 0)), "does not have two triangles");
+  refused(two(Vec3(1, 1, 1)), "touches itself");
+  TriangleSurface open = cube();
+  open.triangles.pop_back();
+  refused(open, "does not have two triangles");
+  // Klein's bottle: rows of a torus, joined back to front.
+  constexpr int n = 12;
+  TriangleSurface bottle;
+  for (int i = 0; i < n * n; ++i) bottle.vertices.emplace_back(i / n, i % n, (i / n) * (i % n));
+  const auto id = [](int i, int j) {
+    return static_cast<Index>((i % n) * n + (i == n ? (2 * n - j) % n : j % n));
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      bottle.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
+      bottle.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
+    }
+  }
+  refused(bottle, "one-sided");
+}
+
+TEST(SharpEdges, OfACubeAreTwelveChainsBetweenEightCorners) {
+  for (const bool reversed : {false, true}) {
+    TriangleSurface surface = cube();
+    if (reversed) std::swap(surface.triangles[5][0], surface.triangles[5][2]);
+    const SharpEdges sharp = findSharpEdges(surface);
+    EXPECT_EQ(sharp.edges.size(), 12u);
+    EXPECT_EQ(sharp.chainCount, 12);
+    EXPECT_EQ(sharp.corners.size(), 8u);
+    EXPECT_EQ(findSharpEdges(surface, 89).edges.size(), 12u);
+    EXPECT_TRUE(findSharpEdges(surface, 91).edges.empty());
+  }
+}
+
+TEST(SharpEdges, OfACylinderAreTwoRingsUnlessTheyAreShort) {
+  const TriangleSurface surface = cylinder(1, 2, 64);
+  const SharpEdges sharp = findSharpEdges(surface);
+  EXPECT_EQ(sharp.edges.size(), 128u);
+  EXPECT_EQ(sharp.chainCount, 2);
+  EXPECT_TRUE(sharp.corners.empty());
+  EXPECT_EQ(findSharpEdges(surface, kSharpAngle, 6.2).edges.size(), 128u);
+  EXPECT_TRUE(findSharpEdges(surface, kSharpAngle, 6.3).edges.empty());
+}
+
+/// Random splits, flips and collapses leave a closed manifold of the same kind.
+TEST(HalfEdges, StayAManifold) {
+  const TriangleSurface surface = torus();
+  HalfEdges mesh(surface, {});
+  const auto random = randomValues(6000, 7);
+  std::vector<Vec3> positions(surface.vertices.begin(), surface.vertices.end());
+  for (const double r : random) {
+    const auto h = static_cast<Index>((r + 1) / 2 * (mesh.count() - 1));
+    if (!mesh.alive(h)) continue;
+    const int action = static_cast<int>(std::abs(r) * 1e6) % 3;
+    if (action == 0) {
+      mesh.split(h);
+      positions.push_back(Vec3::Zero());
+    } else if (action == 1 && mesh.canFlip(h)) {
+      mesh.flip(h);
+    } else if (action == 2 && mesh.canCollapse(h)) {
+      mesh.collapse(h);
+    }
+  }
+  std::vector<std::array<Index, 2>> creases;
+  const TriangleSurface changed = mesh.surface(positions, &creases);
+  EXPECT_NO_THROW(HalfEdges(changed, {}));
+  EXPECT_EQ(euler(changed), 0);
+}
+
+}  // namespace
+}  // namespace octet
