@@ -202,7 +202,7 @@ class TetrahedraFill {
     return in;
   }
 
-  /// Generous: Gmsh takes some 1 kB and 30 microseconds a tetrahedron.
+  /// Generous: Gmsh takes some 1 kB and 0.1 ms a tetrahedron.
   ChildLimits limits() const {
     const double h = options_.spacing;
     const auto cells = static_cast<std::uint64_t>(report_.bodyVolume / (kTetVolume * h * h * h)) +

@@ -7,7 +7,7 @@
 
 namespace octet {
 
-/// Most tetrahedra that are asked of Gmsh, which makes some 30,000 a second.
+/// Most tetrahedra that are asked of Gmsh, which makes some 10,000 a second.
 inline constexpr std::int64_t kMostTetrahedra = 5'000'000;
 
 struct TetrahedraOptions {
