@@ -65,8 +65,9 @@ std::shared_ptr<ControlMesh> makeTetrahedra(const py::object& vertices, const py
       [&] { return std::make_shared<ControlMesh>(fillWithTetrahedra(surface, options)); });
 #else
   (void)spacing, (void)sharpAngle, (void)keepTriangles, (void)progress;
-  throw InputError("", "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which makes "
-                       "tetrahedra");
+  throw InputError("",
+                   "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which makes "
+                   "tetrahedra");
 #endif
 }
 
