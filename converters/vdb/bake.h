@@ -10,6 +10,13 @@
 
 namespace octet {
 
+/// Where the values of vector grids come from (samples/conservation/README.md).
+enum class BakeMethod : std::uint8_t {
+  Auto,          ///< conservative where the form allows it and it costs no accuracy, else samples
+  Conservative,  ///< circulations or differences of a potential, or an error
+  Samples,       ///< samples of the field
+};
+
 /// What to bake of an asset, and how.
 struct BakeOptions {
   std::vector<std::string> forms;  ///< names; empty: all
@@ -21,7 +28,7 @@ struct BakeOptions {
   Sampling sampling = Sampling::Collocated;
   Reconstruction reconstruction = Reconstruction::Limit;
   std::string target = "openvdb";
-  bool samplesOnly = false;  ///< sample staggered fluxes too, though circulations conserve mass
+  BakeMethod method = BakeMethod::Auto;
   bool half = false;
   bool project = false;  ///< replace 1- and 2-forms that are not closed by the nearest closed ones
   std::optional<std::pair<int, int>> frames;  ///< first and last; absent: all that the forms have

@@ -22,6 +22,7 @@ struct Certificate {
   std::string scheme;  ///< of the divergence: "FD_1ST" or "CD_2ND"
   std::uint64_t activeVoxels = 0;
   std::uint64_t insideVoxels = 0;  ///< where the divergence was measured
+  std::uint64_t freeVoxels = 0;    ///< of these, where it is rounding: at most kFloatDivergence
   double maxDivergence = 0, rmsDivergence = 0;
   std::array<std::int32_t, 3> at{};  ///< voxel of the largest divergence
   double maxCurl = 0, rmsCurl = 0;
@@ -32,13 +33,14 @@ struct Certificate {
   bool half = false;
 };
 
+/// Largest divergence that rounding to floats can leave in a grid whose exact divergence is zero.
+/// Each of six values is off by half a unit in the last place, 2^-24 of the speed at most; three
+/// differences, twice the speed at most, and two sums of them, six times, round once more each.
+/// Central differences, over two voxels, have half of it.
+inline constexpr double kFloatDivergence = (6 + 3 * 2 + 2 * 6) / 16777216.0;
+
 /// As grid metadata: names that begin with "octet_".
 std::vector<VdbMetadata> toMetadata(const Certificate& certificate);
-
-/// Largest divergence that rounding to floats can leave in a grid whose exact divergence is zero.
-/// Each of six faces is off by half a unit in the last place, 2^-24 of the speed at most; three
-/// differences, twice the speed at most, and two sums of them, six times, round once more each.
-inline constexpr double kFloatDivergence = (6 + 3 * 2 + 2 * 6) / 16777216.0;
 
 /// A vector grid of a file, or three float grids that make one, and what was found in it.
 struct VerifiedGrid {

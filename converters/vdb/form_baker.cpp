@@ -2,11 +2,14 @@
 #include "form_baker.h"
 
 #include <cmath>
+#include <cstdio>
 
+#include <octet/core/base/error.h>
 #include <octet/core/base/parallel.h>
 #include <octet/core/field/vertex_field.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/geometry/mean_edge.h>
+#include <octet/core/hodge/flux_rasterizer.h>
 
 namespace octet {
 namespace {
@@ -38,6 +41,8 @@ FormBaker::FormBaker(const ControlAsset& asset, const BakeOptions& options, cons
     limit_ = std::make_unique<Limit>(*refiner_, options.progress);
     finest_ = refiner_->sharedComplex(refiner_->levels());
   }
+  voxelsPerEdge_ = grid.voxelSize / finestEdge();
+  checkMethod();
 }
 
 FormBaker::~FormBaker() = default;
@@ -133,25 +138,37 @@ BoundaryMode FormBaker::derivativeMode(const Form& form) const {
   return BoundaryMode::Walls;
 }
 
-/// A staggered flux is baked from its vector potential, when it has one: by commutation the
-/// refined potential's derivative is the refined form.
+/// A flux is baked from its vector potential, when it has one: by commutation the refined
+/// potential's derivative is the refined form.
 VdbGridInfo FormBaker::addFlux(Job job, const Cochain<2>& control, const Cochain<1>* given) const {
   Cochain<2> finest = refiner_->refine(control, job.mode);
-  if (options_.sampling == Sampling::Collocated) {
+  const std::string worse = whyMeansAreWorse();
+  if (!mayConserve() || !worse.empty()) {
     job.say(planner_.describeOpenness(control));
+    if (mayConserve() && job.note.empty()) job.say(worse);
     return addRefined<2>(job, std::move(finest));
   }
-  if (options_.reconstruction == Reconstruction::Limit && !options_.samplesOnly) {
-    const VelocityPlan plan = planner_.plan(control, given);
-    job.say(plan.note);
-    if (plan.potential) {
-      VdbGridSpec spec = gridSpec<2>(job);
-      spec.method = "circulations";
-      return job.file->add(potentialField(plan.potential->form, finest, job.mode), spec,
-                           options_.progress);
-    }
-  }
+  const VelocityPlan plan = planner_.plan(control, given);
+  // With a potential, a note is about voxels that only staggered grids leave out.
+  if (!plan.potential || options_.sampling == Sampling::Staggered) job.say(plan.note);
+  if (plan.potential) return addCirculations(job, plan.potential->form, finest);
+  refuseSamples(job);
   return addRefined<2>(job, std::move(finest));
+}
+
+VdbGridInfo FormBaker::addCirculations(const Job& job, const Cochain<1>& potential,
+                                       const Cochain<2>& finest) const {
+  const Array<Vec3> vectors = turn_(limit_->vectors(finest, job.mode));
+  PotentialField field(finest_, turn_(refiner_->positions(refiner_->levels())),
+                       refiner_->refine(potential, job.mode), vectors,
+                       job.mode == BoundaryMode::Walls);
+  if (options_.sampling == Sampling::Staggered) {
+    return job.file->add(field, gridSpec<2>(job), options_.progress);
+  }
+  const VectorField samples(
+      std::make_shared<VertexField<3>>(finest_, turn_(limit_->positions()), vectors));
+  const MeanFluxField means{samples, std::move(field), neighbourWeight(voxelsPerEdge_)};
+  return job.file->add(means, gridSpec<2>(job), options_.progress);
 }
 
 /// A gradient is baked as differences of its potential, when it has one.
@@ -159,16 +176,50 @@ VdbGridInfo FormBaker::addGradient(Job job, const Cochain<1>& control,
                                    const Cochain<0>* given) const {
   Cochain<1> finest = refiner_->refine(control, job.mode);
   std::optional<Cochain<0>> potential;
-  if (options_.reconstruction == Reconstruction::Limit && !options_.samplesOnly) {
+  if (mayConserve()) {
     potential = given ? *given : scalarPotential(*asset_.mesh.complex(), control);
   }
   if (!potential) {
     job.say(planner_.describeOpenness(control));
+    refuseSamples(job);
     return addRefined<1>(job, std::move(finest));
   }
-  VdbGridSpec spec = gridSpec<1>(job);
-  spec.method = "differences";
-  return job.file->add(gradientField(*potential, finest, job.mode), spec, options_.progress);
+  return job.file->add(gradientField(*potential, finest, job.mode), gridSpec<1>(job),
+                       options_.progress);
+}
+
+/// Potentials go with the limit reconstruction alone, and not with the thesis' boundary methods.
+bool FormBaker::mayConserve() const {
+  return options_.method != BakeMethod::Samples && !method_ &&
+         options_.reconstruction == Reconstruction::Limit;
+}
+
+void FormBaker::checkMethod() const {
+  if (options_.method == BakeMethod::Conservative && !mayConserve()) {
+    throw InputError("method",
+                     "conservative needs the limit reconstruction, and boundary auto, "
+                     "walls or open");
+  }
+}
+
+/// Of a collocated grid, unless circulations are asked for; empty when they are no worse.
+std::string FormBaker::whyMeansAreWorse() const {
+  if (options_.sampling == Sampling::Staggered || options_.method == BakeMethod::Conservative ||
+      (voxelsPerEdge_ >= kFinestMeans && voxelsPerEdge_ <= kCoarsestMeans)) {
+    return "";
+  }
+  char text[120];
+  std::snprintf(text, sizeof text,
+                "voxels are %.2g fine edges: circulations are as accurate from %.2g to %.2g",
+                voxelsPerEdge_, kFinestMeans, kCoarsestMeans);
+  return text;
+}
+
+void FormBaker::refuseSamples(const Job& job) const {
+  if (options_.method != BakeMethod::Conservative) return;
+  throw InputError("form \"" + job.form.name + "\"",
+                   "cannot be baked by method conservative: " +
+                       (job.note.empty() ? "it has no potential" : job.note));
 }
 
 template <int K>
@@ -180,13 +231,6 @@ VdbGridInfo FormBaker::addRefined(const Job& job, Cochain<K> finest) const {
 template <int K>
 VdbGridInfo FormBaker::addField(const Job& job, const Field<kComponents<K>>& field) const {
   return job.file->add(turnedField(field, finest_, turn_), gridSpec<K>(job), options_.progress);
-}
-
-PotentialField FormBaker::potentialField(const Cochain<1>& potential, const Cochain<2>& finest,
-                                         BoundaryMode mode) const {
-  return PotentialField(finest_, turn_(refiner_->positions(refiner_->levels())),
-                        refiner_->refine(potential, mode), turn_(limit_->vectors(finest, mode)),
-                        mode == BoundaryMode::Walls);
 }
 
 GradientField FormBaker::gradientField(const Cochain<0>& potential, const Cochain<1>& finest,

@@ -53,16 +53,20 @@ class FormBaker {
   BoundaryMode derivativeMode(const Form& form) const;
 
   VdbGridInfo addFlux(Job job, const Cochain<2>& control, const Cochain<1>* given) const;
+  VdbGridInfo addCirculations(const Job& job, const Cochain<1>& potential,
+                              const Cochain<2>& finest) const;
   VdbGridInfo addGradient(Job job, const Cochain<1>& control, const Cochain<0>* given) const;
   template <int K>
   VdbGridInfo addRefined(const Job& job, Cochain<K> finest) const;
   template <int K>
   VdbGridInfo addField(const Job& job, const Field<kComponents<K>>& field) const;
 
-  PotentialField potentialField(const Cochain<1>& potential, const Cochain<2>& finest,
-                                BoundaryMode mode) const;
   GradientField gradientField(const Cochain<0>& potential, const Cochain<1>& finest,
                               BoundaryMode mode) const;
+  void checkMethod() const;
+  bool mayConserve() const;
+  std::string whyMeansAreWorse() const;
+  void refuseSamples(const Job& job) const;
   bool limitFields() const;
   template <int K>
   VdbGridSpec gridSpec(const Job& job) const;
@@ -77,6 +81,7 @@ class FormBaker {
   std::unique_ptr<Limit> limit_;
   std::unique_ptr<MethodRefiner> method_;  // in their place, for a method of the thesis
   std::shared_ptr<const Complex> finest_;
+  double voxelsPerEdge_ = 0;  // mean fine edge
 };
 
 }  // namespace octet

@@ -7,16 +7,14 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 
-#include <openvdb/io/Compression.h>
 #include <openvdb/openvdb.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <octet/core/hodge/flux_rasterizer.h>
 #include <octet/version.h>
 
 #include "../io/atomic_file.h"
+#include "fill_grid.h"
 #include "measure_grid.h"
 #include "vdb_input.h"
 
@@ -92,52 +90,6 @@ void tagByContent(const std::string& path) {
   file.write(tag.data(), kLength);
 }
 
-/// The value of a sample as a file stores it.
-template <typename Value, int C>
-Value gridValue(const Tile<C>& tile, int n, bool half) {
-  Value value;
-  if constexpr (C == 1) {
-    value = static_cast<Value>(tile.values[0][n]);
-  } else {
-    value = Value(static_cast<float>(tile.values[0][n]), static_cast<float>(tile.values[1][n]),
-                  static_cast<float>(tile.values[2][n]));
-  }
-  return half ? openvdb::io::truncateRealToHalf(value) : value;
-}
-
-double magnitude(float x) { return x; }
-double magnitude(const openvdb::Vec3f& v) { return openvdb::Vec3d(v).length(); }
-
-/// Keeps the larger absolute value; unlike std::max, also what is not a number.
-void keepLargest(double* largest, float x) {
-  const double size = std::abs(x);
-  if (!std::isnan(*largest) && !(size <= *largest)) *largest = size;
-}
-void keepLargest(double* largest, const openvdb::Vec3f& v) {
-  for (int k = 0; k < 3; ++k) keepLargest(largest, v[k]);
-}
-
-constexpr double kLargestHalf = 65504;
-
-void checkRange(const VdbGridSpec& spec, double largest) {
-  const double most = spec.half ? kLargestHalf : std::numeric_limits<float>::max();
-  if (largest <= most) return;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", largest);
-  throw InputError(
-      "grid \"" + spec.name + "\"",
-      "has values up to " + std::string(text) + ", more than " +
-          (spec.half ? "16-bit floats hold (65504); bake it without half" : "32-bit floats hold"));
-}
-
-/// Leaves made by one thread.
-template <typename Leaf>
-struct LeafBatch {
-  std::vector<std::unique_ptr<Leaf>> leaves;
-  std::uint64_t active = 0;
-  double min = HUGE_VAL, max = -HUGE_VAL, largest = 0;
-};
-
 void addMetadata(openvdb::MetaMap* map, const std::vector<VdbMetadata>& metadata) {
   for (const VdbMetadata& m : metadata) {
     if (const auto* text = std::get_if<std::string>(&m.value)) {
@@ -186,82 +138,15 @@ openvdb::math::Transform::Ptr linearTransform(double voxelSize) {
   }
 }
 
-/// @param rasterize  calls its argument with the tiles of the grid
-template <typename Grid, int C, typename Rasterize>
-typename Grid::Ptr fill(const Rasterize& rasterize, const VdbGridSpec& spec, VdbGridInfo* info) {
-  using Leaf = typename Grid::TreeType::LeafNodeType;
-  using Value = typename Grid::ValueType;
-  tbb::enumerable_thread_specific<LeafBatch<Leaf>> batches;
-  const auto sink = [&](const Tile<C>& tile) {
-    LeafBatch<Leaf>& batch = batches.local();
-    auto leaf = std::make_unique<Leaf>(
-        openvdb::Coord(tile.origin[0], tile.origin[1], tile.origin[2]), Value(0.0f), false);
-    Value* out = leaf->buffer().data();
-    for (int n = 0; n < Tile<C>::kSize; ++n) {
-      out[n] = gridValue<Value>(tile, n, spec.half);
-      if (!tile.isActive(n)) continue;
-      const double size = magnitude(out[n]);
-      batch.min = std::min(batch.min, size);
-      batch.max = std::max(batch.max, size);
-      keepLargest(&batch.largest, out[n]);
-      ++batch.active;
-    }
-    typename Leaf::NodeMaskType mask;
-    for (int x = 0; x < 8; ++x) mask.template getWord<openvdb::Index64>(x) = tile.active[x];
-    leaf->setValueMask(mask);
-    batch.leaves.push_back(std::move(leaf));
-  };
-  rasterize(sink);
-
-  auto grid = Grid::create(Value(0.0f));
-  double min = HUGE_VAL, max = -HUGE_VAL;
-  for (LeafBatch<Leaf>& batch : batches) {
-    min = std::min(min, batch.min);
-    max = std::max(max, batch.max);
-    checkRange(spec, batch.largest);
-    for (auto& leaf : batch.leaves) grid->tree().addLeaf(leaf.release());
-  }
-  grid->setName(spec.name);
-  auto transform = linearTransform(spec.frame.voxelSize);
-  const Vec3 origin = spec.frame.origin + spec.shift;
-  transform->postTranslate(openvdb::Vec3d(origin[0], origin[1], origin[2]));
-  grid->setTransform(transform);
+void setClass(const VdbGridSpec& spec, openvdb::GridBase* grid) {
   switch (spec.gridClass) {
     case VdbGridSpec::Class::Staggered:
-      grid->setGridClass(openvdb::GRID_STAGGERED);
-      break;
+      return grid->setGridClass(openvdb::GRID_STAGGERED);
     case VdbGridSpec::Class::Fog:
-      grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-      break;
+      return grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     case VdbGridSpec::Class::Unknown:
-      grid->setGridClass(openvdb::GRID_UNKNOWN);
+      return grid->setGridClass(openvdb::GRID_UNKNOWN);
   }
-  if (C == 3) {
-    grid->setVectorType(spec.vectorType == VdbGridSpec::VectorType::Covariant
-                            ? openvdb::VEC_COVARIANT
-                            : openvdb::VEC_CONTRAVARIANT_RELATIVE);
-  }
-  grid->setSaveFloatAsHalf(spec.half);
-  grid->setCreator(std::string("OctetVDB ") + kVersion);
-  addMetadata(grid.get(), spec.metadata);
-  if constexpr (C == 3) {
-    addMetadata(grid.get(),
-                {{kSamplingMetadata,
-                  std::string(spec.sampling == Sampling::Staggered ? "staggered" : "collocated")}});
-    addMetadata(grid.get(), {{"octet_method", spec.method}});
-    if (!spec.note.empty()) addMetadata(grid.get(), {{"octet_note", spec.note}});
-    info->certificate = measureGrid(*grid);
-    addMetadata(grid.get(), toMetadata(*info->certificate));
-  }
-  const auto certificate = info->certificate;
-  *info = describe(*grid);
-  info->certificate = certificate;
-  if (C == 3) info->method = spec.method;
-  info->note = spec.note;
-  info->leaves = grid->tree().leafCount();
-  info->min = info->activeVoxels ? min : 0;
-  info->max = info->activeVoxels ? max : 0;
-  return grid;
 }
 
 void initialize() {
@@ -292,6 +177,43 @@ bool measureRange(const openvdb::GridBase& base, VdbGridInfo* info) {
   return true;
 }
 
+/// What a spec says about a grid, but for its values.
+void label(const VdbGridSpec& spec, openvdb::GridBase* grid) {
+  grid->setName(spec.name);
+  auto transform = linearTransform(spec.frame.voxelSize);
+  const Vec3 origin = spec.frame.origin + spec.shift;
+  transform->postTranslate(openvdb::Vec3d(origin[0], origin[1], origin[2]));
+  grid->setTransform(transform);
+  setClass(spec, grid);
+  grid->setSaveFloatAsHalf(spec.half);
+  grid->setCreator(std::string("OctetVDB ") + kVersion);
+  addMetadata(grid, spec.metadata);
+}
+
+/// Labels a vector grid, with how it was made and its certificate.
+/// @param sampled  how many voxels hold samples, where others hold values of the method
+VdbGridInfo finish(const VdbGridSpec& spec, const std::string& method, std::uint64_t sampled,
+                   openvdb::Vec3SGrid* grid) {
+  label(spec, grid);
+  grid->setVectorType(spec.vectorType == VdbGridSpec::VectorType::Covariant
+                          ? openvdb::VEC_COVARIANT
+                          : openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  const std::string sampling = spec.sampling == Sampling::Staggered ? "staggered" : "collocated";
+  addMetadata(grid, {{kSamplingMetadata, sampling},
+                     {"octet_method", method},
+                     {"octet_sampled_voxels", static_cast<double>(sampled)}});
+  if (!spec.note.empty()) addMetadata(grid, {{"octet_note", spec.note}});
+  const Certificate certificate = measureGrid(*grid);
+  addMetadata(grid, toMetadata(certificate));
+  VdbGridInfo info = describe(*grid);
+  measureRange<openvdb::Vec3SGrid>(*grid, &info);
+  info.certificate = certificate;
+  info.method = method;
+  info.sampledVoxels = sampled;
+  info.note = spec.note;
+  return info;
+}
+
 }  // namespace
 
 struct VdbFile::Grids {
@@ -304,41 +226,70 @@ VdbFile::VdbFile(VdbFile&&) noexcept = default;
 
 VdbGridInfo VdbFile::add(const VectorField& field, const VdbGridSpec& spec,
                          const ProgressCallback& progress) {
-  const auto tiles = [&](const std::function<void(const Tile<3>&)>& sink) {
-    rasterize<3>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
-  };
-  VdbGridInfo info;
-  grids_->list.push_back(fill<openvdb::Vec3SGrid, 3>(tiles, spec, &info));
-  return info;
+  const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
+      [&](const auto& sink) {
+        rasterize<3>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name,
+                     progress);
+      },
+      spec);
+  grids_->list.push_back(grid);
+  return finish(spec, "samples", grid->activeVoxelCount(), grid.get());
 }
 
 VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
                          const ProgressCallback& progress) {
-  const auto tiles = [&](const std::function<void(const Tile<3>&)>& sink) {
-    rasterizeFluxes(field, spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
-  };
-  VdbGridInfo info;
-  grids_->list.push_back(fill<openvdb::Vec3SGrid, 3>(tiles, spec, &info));
-  return info;
+  const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
+      [&](const auto& sink) {
+        rasterizeFluxes(field, spec.frame, sink, "bake " + spec.name, progress);
+      },
+      spec);
+  grids_->list.push_back(grid);
+  return finish(spec, "circulations", 0, grid.get());
+}
+
+VdbGridInfo VdbFile::add(const MeanFluxField& field, const VdbGridSpec& spec,
+                         const ProgressCallback& progress) {
+  const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
+      [&](const auto& sink) {
+        rasterize<3>(field.samples.source(), spec.frame, Sampling::Collocated, sink,
+                     "sample " + spec.name, progress);
+      },
+      spec);
+  const std::uint64_t replaced = replaceValues(
+      [&](const auto& sink) {
+        rasterizeMeanFluxes(field.potential, spec.frame, field.neighbours, sink,
+                            "bake " + spec.name, progress);
+      },
+      spec, grid.get());
+  grids_->list.push_back(grid);
+  return finish(spec, replaced ? "circulations" : "samples", grid->activeVoxelCount() - replaced,
+                grid.get());
 }
 
 VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
                          const ProgressCallback& progress) {
-  const auto tiles = [&](const std::function<void(const Tile<3>&)>& sink) {
-    rasterizeDifferences(field, spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
-  };
-  VdbGridInfo info;
-  grids_->list.push_back(fill<openvdb::Vec3SGrid, 3>(tiles, spec, &info));
-  return info;
+  const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
+      [&](const auto& sink) {
+        rasterizeDifferences(field, spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
+      },
+      spec);
+  grids_->list.push_back(grid);
+  return finish(spec, "differences", 0, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
                          const ProgressCallback& progress) {
-  const auto tiles = [&](const std::function<void(const Tile<1>&)>& sink) {
-    rasterize<1>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
-  };
-  VdbGridInfo info;
-  grids_->list.push_back(fill<openvdb::FloatGrid, 1>(tiles, spec, &info));
+  const auto grid = fillGrid<openvdb::FloatGrid, 1>(
+      [&](const auto& sink) {
+        rasterize<1>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name,
+                     progress);
+      },
+      spec);
+  grids_->list.push_back(grid);
+  label(spec, grid.get());
+  VdbGridInfo info = describe(*grid);
+  measureRange<openvdb::FloatGrid>(*grid, &info);
+  info.note = spec.note;
   return info;
 }
 

@@ -26,10 +26,18 @@ struct VdbGridSpec {
   GridFrame frame;                                            ///< where samples are taken
   Vec3 shift = Vec3::Zero();  ///< by which the written transform differs from the frame
   Sampling sampling = Sampling::Collocated;
-  bool half = false;               ///< save as 16-bit floats
-  std::string method = "samples";  ///< of a vector grid, and what there is to say about it
-  std::string note;
+  bool half = false;  ///< save as 16-bit floats
+  std::string note;   ///< what there is to say about how a vector grid was made
   std::vector<VdbMetadata> metadata;
+};
+
+/// @brief A collocated velocity whose central differences cancel inside: mean fluxes of the
+/// potential where they can be had (rasterizeMeanFluxes), and samples in the voxels that remain,
+/// near the boundary.
+struct MeanFluxField {
+  VectorField samples;
+  PotentialField potential;
+  double neighbours;  ///< weight of each neighbour (neighbourWeight)
 };
 
 /// What was put into a grid, or found in one.
@@ -41,8 +49,10 @@ struct VdbGridInfo {
   std::array<std::int32_t, 3> indexMin{}, indexMax{};
   bool half = false;
   std::vector<VdbMetadata> metadata;
-  std::string method;  ///< how a vector grid was made: "circulations", "samples"
-  std::string note;    ///< what there is to say about that
+  std::string method;  ///< how a vector grid was made: "circulations", "differences", "samples"
+  std::uint64_t sampledVoxels =
+      0;             ///< active voxels of a vector grid that hold samples all the same
+  std::string note;  ///< what there is to say about that
   std::optional<Certificate> certificate;  ///< of a vector grid that was just made
 };
 
@@ -60,6 +70,9 @@ class VdbFile {
                   const ProgressCallback& progress = {});
   /// The curl of a potential, with a discrete divergence of zero (flux_rasterizer.h): staggered.
   VdbGridInfo add(const PotentialField& field, const VdbGridSpec& spec,
+                  const ProgressCallback& progress = {});
+  /// What is active is what samples alone would make active.
+  VdbGridInfo add(const MeanFluxField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});
   /// Differences of a potential, with a discrete curl of zero (gradient_field.h).
   VdbGridInfo add(const GradientField& field, const VdbGridSpec& spec,

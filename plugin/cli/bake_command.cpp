@@ -83,10 +83,20 @@ nlohmann::ordered_json toJson(const VdbGridInfo& grid) {
                                    {"min", grid.min},
                                    {"max", grid.max},
                                    {"half", grid.half}};
-  if (!grid.method.empty()) result["method"] = grid.method;
+  if (!grid.method.empty()) {
+    result["method"] = grid.method;
+    result["sampled_voxels"] = grid.sampledVoxels;
+  }
   if (!grid.note.empty()) result["note"] = grid.note;
   if (grid.certificate) result["certificate"] = cli::toJson(*grid.certificate);
   return result;
+}
+
+/// Of a grid of another method: "", or how many of its voxels are sampled.
+std::string shareOfSamples(const VdbGridInfo& grid) {
+  if (grid.sampledVoxels == 0 || grid.method == "samples") return "";
+  return ", samples in " + percent(grid.sampledVoxels, grid.activeVoxels) +
+         " of the voxels, near the boundary";
 }
 
 void print(const BakeReport& report, double seconds, bool json) {
@@ -116,8 +126,8 @@ void print(const BakeReport& report, double seconds, bool json) {
                   grouped(static_cast<std::int64_t>(grid.activeVoxels)).c_str(),
                   grid.vectorType.empty() ? "value" : "length", grid.min, grid.max);
       if (!grid.method.empty()) {
-        std::printf("    from %s%s%s\n", grid.method.c_str(), grid.note.empty() ? "" : "; ",
-                    grid.note.c_str());
+        std::printf("    from %s%s%s%s\n", grid.method.c_str(), shareOfSamples(grid).c_str(),
+                    grid.note.empty() ? "" : "; ", grid.note.c_str());
       }
       if (grid.certificate) printCertificate(*grid.certificate, "    ");
     }
@@ -195,8 +205,13 @@ void addBake(CLI::App* program) {
       "limit: smooth, second order; whitney: Whitney forms on the finest level");
   command->add_option("--target", options.target, "Conventions of the program that reads the grids")
       ->option_text("openvdb|blender|houdini|arnold|renderman");
-  command->add_flag("--samples-only", options.samplesOnly,
-                    "Sample staggered fluxes at face centres, though circulations conserve mass");
+  addChoice<BakeMethod>(command, "--method", &options.method,
+                        {{"auto", BakeMethod::Auto},
+                         {"conservative", BakeMethod::Conservative},
+                         {"samples", BakeMethod::Samples}},
+                        "conservative: vectors without discrete divergence (2-forms) or curl "
+                        "(1-forms), or an error; samples: of the field; auto: conservative where "
+                        "the form allows it and it costs no accuracy");
   command->add_flag("--half", options.half, "Store 16-bit floats");
   command->add_flag("--project", options.project,
                     "Replace 1- and 2-forms that are not closed by the nearest closed ones");

@@ -123,4 +123,9 @@ std::string grouped(std::int64_t n) {
   return text;
 }
 
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+  const std::uint64_t thousandths = whole ? 1000 * part / whole : 0;
+  return std::to_string(thousandths / 10) + "." + std::to_string(thousandths % 10) + " %";
+}
+
 }  // namespace octet::cli

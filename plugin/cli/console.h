@@ -32,4 +32,7 @@ std::string text(const nlohmann::ordered_json& document);
 /// "1,234,567"
 std::string grouped(std::int64_t n);
 
+/// "99.9 %", rounded down: only all is "100.0 %".
+std::string percent(std::uint64_t part, std::uint64_t whole);
+
 }  // namespace octet::cli

@@ -25,8 +25,8 @@ CELL = 3  # voxels
 LEVELS = ["--levels", "1"]  # fine cells are coarser than voxels: sampling shows its errors
 BAKES = {
     "circulations": ["--grid", "staggered"],
-    "face samples": ["--grid", "staggered", "--samples-only"],
-    "centre samples": ["--grid", "collocated"],
+    "face samples": ["--grid", "staggered", "--method", "samples"],
+    "centre samples": ["--grid", "collocated", "--method", "samples"],
 }
 
 

@@ -3,15 +3,20 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <octet/converters/vdb/bake.h>
 #include <octet/converters/vdb/certificate.h>
+#include <octet/converters/vdb/vdb_sampler.h>
 #include <octet/core/base/error.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/de_rham.h>
+#include <octet/core/geometry/mean_edge.h>
 #include <octet/core/hodge/projection.h>
 
 #include "tests/support/meshes.h"
@@ -72,13 +77,7 @@ BakeOptions staggered(double voxelSize, int levels) {
   return options;
 }
 
-double meanEdge(const ControlMesh& mesh) {
-  double sum = 0;
-  for (const auto& [a, b] : mesh.complex()->edges) {
-    sum += (mesh.positions()[a] - mesh.positions()[b]).norm();
-  }
-  return sum / mesh.complex()->edgeCount();
-}
+double meanEdge(const ControlMesh& mesh) { return meanEdge(*mesh.complex(), mesh.positions()); }
 
 /// Finer than the fine cells, alike, coarser: voxels per fine edge.
 constexpr double kRatios[] = {0.5, 1.0, 1.5};
@@ -109,7 +108,7 @@ TEST_F(Conservative, RandomClosedFormsHaveNoDivergence) {
         EXPECT_EQ(c.throughflow, 0);
       }
       // The same field at the same face centres: what sampling leaves.
-      options.samplesOnly = true;
+      options.method = BakeMethod::Samples;
       const Certificate sampled = baked(asset, "velocity", options);
       EXPECT_EQ(grid().method, "samples");
       EXPECT_GT(sampled.maxDivergence, 100 * kFloatDivergence);
@@ -117,6 +116,248 @@ TEST_F(Conservative, RandomClosedFormsHaveNoDivergence) {
                   sampled.maxDivergence, static_cast<unsigned long long>(c.insideVoxels));
     }
   }
+}
+
+// ---- Collocated fluxes --------------------------------------------------------------------------
+
+using Ijk = std::array<std::int32_t, 3>;
+
+Ijk beside(Ijk ijk, int axis, int by) {
+  ijk[axis] += by;
+  return ijk;
+}
+
+/// The active voxels of a grid in a file.
+class StoredVoxels {
+ public:
+  /// @param shift  world position of voxel (0, 0, 0)
+  StoredVoxels(const std::string& path, const VdbGridInfo& grid, double shift = 0) {
+    const VdbSampler sampler(path, grid.name);
+    Ijk at;
+    for (at[0] = grid.indexMin[0]; at[0] <= grid.indexMax[0]; ++at[0]) {
+      for (at[1] = grid.indexMin[1]; at[1] <= grid.indexMax[1]; ++at[1]) {
+        for (at[2] = grid.indexMin[2]; at[2] <= grid.indexMax[2]; ++at[2]) {
+          const Vec3 point = Vec3(at[0], at[1], at[2]) * grid.voxelSize + Vec3::Constant(shift);
+          Vec3 value;
+          // The sampler interpolates, in doubles; stored are floats.
+          if (sampler.sample(point, value.data())) values_[at] = value.cast<float>().cast<double>();
+        }
+      }
+    }
+  }
+
+  const std::map<Ijk, Vec3>& values() const { return values_; }
+  bool has(const Ijk& ijk) const { return values_.count(ijk) != 0; }
+  const Vec3& at(const Ijk& ijk) const { return values_.at(ijk); }
+  double largest() const {
+    double result = 0;
+    for (const auto& [ijk, value] : values_) result = std::max(result, value.norm());
+    return result;
+  }
+  /// Central differences, times voxel size.
+  double divergence(const Ijk& ijk) const {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += at(beside(ijk, k, 1))[k] - at(beside(ijk, k, -1))[k];
+    return sum / 2;
+  }
+
+ private:
+  std::map<Ijk, Vec3> values_;
+};
+
+/// @param ratio  voxels per mean fine edge
+BakeOptions collocated(const ControlMesh& mesh, double ratio, int levels) {
+  RefinerOptions refinement;
+  refinement.levels = levels;
+  const Refiner refiner(mesh, refinement);
+  const Limit limit(refiner);
+  BakeOptions options = staggered(ratio * meanEdge(refiner.finest(), limit.positions()), levels);
+  options.sampling = Sampling::Collocated;
+  return options;
+}
+
+/// Voxels per mean fine edge that circulations are automatic for.
+constexpr double kCollocatedRatios[] = {0.42, 0.55, 0.72};
+
+TEST_F(Conservative, CollocatedFluxesHaveNoDivergenceInside) {
+  struct Case {
+    const char* name;
+    ControlMeshInput mesh;
+    bool closedWalls;
+    int levels;
+  };
+  const std::vector<Case> cases = {
+      {"ball, walls", testing::randomBall(150, 21), true, 1},
+      {"mixed ball, open", testing::withOctahedra(testing::randomBall(150, 22)), false, 1},
+      {"box, walls", testing::creasedBox(3, 0.12, 24), true, 2}};
+  std::printf("%-20s %7s %9s %9s %12s %12s\n", "mesh", "voxel", "max", "sampled", "free",
+              "of inside");
+  for (const Case& test : cases) {
+    const ControlAsset asset = randomAsset(test.mesh, test.closedWalls, 31);
+    for (const double ratio : kCollocatedRatios) {
+      SCOPED_TRACE(std::string(test.name) + " " + std::to_string(ratio));
+      BakeOptions options = collocated(asset.mesh, ratio, test.levels);
+      const Certificate c = baked(asset, "velocity", options);
+      const VdbGridInfo info = grid();
+      EXPECT_EQ(info.method, "circulations");
+      const StoredVoxels ours(path("out.vdb"), info);
+      options.method = BakeMethod::Samples;
+      const Certificate sampled = baked(asset, "velocity", options);
+      EXPECT_EQ(grid().method, "samples");
+      EXPECT_EQ(grid().sampledVoxels, grid().activeVoxels);
+      const StoredVoxels samples(path("out.vdb"), grid());
+
+      // What is active is what samples make active; the report says how many remained samples.
+      ASSERT_EQ(ours.values().size(), samples.values().size());
+      const auto circulates = [&](const Ijk& ijk) { return ours.at(ijk) != samples.at(ijk); };
+      std::uint64_t circulating = 0, inside = 0;
+      for (const auto& [ijk, value] : ours.values()) {
+        ASSERT_TRUE(samples.has(ijk));
+        if (circulates(ijk)) ++circulating;
+        bool whole = true;
+        for (int k = 0; k < 3; ++k) {
+          for (const int side : {-1, 1}) {
+            const Ijk other = beside(ijk, k, side);
+            whole = whole && ours.has(other) && circulates(other);
+          }
+        }
+        if (!whole) continue;
+        ++inside;
+        ASSERT_LE(std::abs(ours.divergence(ijk)), kFloatDivergence * ours.largest());
+      }
+      EXPECT_EQ(circulating, info.activeVoxels - info.sampledVoxels);
+      EXPECT_GT(inside, 20u);
+      EXPECT_GE(c.freeVoxels, inside);
+      EXPECT_LT(c.rmsDivergence, sampled.rmsDivergence);
+      EXPECT_LT(sampled.freeVoxels, sampled.insideVoxels / 10);
+      std::printf("%-20s %7.2f %9.2g %9.2g %12llu %12llu\n", test.name, ratio, c.maxDivergence,
+                  sampled.maxDivergence, static_cast<unsigned long long>(c.freeVoxels),
+                  static_cast<unsigned long long>(c.insideVoxels));
+    }
+  }
+}
+
+TEST_F(Conservative, CollocatedFluxesComeNearSamplesWithOrderTwo) {
+  const ControlMesh mesh = ControlMesh::build(
+      testing::latticeBlock([](int x, int y, int z) { return x * x + y * y + z * z <= 10; }, 4));
+  const Complex& c = *mesh.complex();
+  const auto w = d(c, DeRham(c, mesh.positions(), 8).edges([](const Vec3& p) {
+    return Vec3(std::sin(0.5 * p[1]) * std::sin(p[2]), std::sin(0.6 * p[0]) * std::cos(0.5 * p[2]),
+                std::sin(0.5 * p[0]) * std::cos(0.7 * p[1]));
+  }));
+  const ControlAsset asset{"lattice", {}, mesh, {makeForm<2>("velocity", w)}};
+  double before = 0;
+  for (const int levels : {1, 2, 3}) {
+    BakeOptions options = collocated(mesh, 0.6, levels);
+    baked(asset, "velocity", options);
+    ASSERT_EQ(grid().method, "circulations");
+    const StoredVoxels ours(path("out.vdb"), grid());
+    options.method = BakeMethod::Samples;
+    baked(asset, "velocity", options);
+    const StoredVoxels samples(path("out.vdb"), grid());
+    // Where all three levels have circulations.
+    double sum = 0;
+    int n = 0;
+    for (const auto& [ijk, value] : ours.values()) {
+      if ((Vec3(ijk[0], ijk[1], ijk[2]) * grid().voxelSize).norm() > 1) continue;
+      ASSERT_TRUE(value != samples.at(ijk));
+      sum += (value - samples.at(ijk)).squaredNorm();
+      ++n;
+    }
+    ASSERT_GT(n, 30);
+    const double difference = std::sqrt(sum / n) / samples.largest();
+    std::printf("%d levels: %.2g of the largest speed\n", levels, difference);
+    if (before > 0) {
+      EXPECT_GT(std::log2(before / difference), 1.75);
+    }
+    before = difference;
+  }
+  EXPECT_LT(before, 2e-3);
+}
+
+TEST_F(Conservative, CollocatedFluxesDoNotDependOnThreads) {
+  const ControlAsset asset = randomAsset(testing::randomBall(60, 21), true, 31);
+  const BakeOptions options = collocated(asset.mesh, 0.5, 1);
+  const auto bytes = [&](std::size_t threads) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    baked(asset, "velocity", options);
+    EXPECT_EQ(grid().method, "circulations");
+    std::ifstream file(path("out.vdb"), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string one = bytes(1);
+  EXPECT_GT(one.size(), 10000u);
+  EXPECT_TRUE(one == bytes(2));
+}
+
+TEST_F(Conservative, CollocatedFluxesFollowTheTarget) {
+  const ControlAsset asset = randomAsset(testing::randomBall(60, 21), true, 34);
+  BakeOptions options = collocated(asset.mesh, 0.5, 1);
+  const Certificate plain = baked(asset, "velocity", options);
+  const StoredVoxels voxels(path("out.vdb"), grid());
+  EXPECT_GT(plain.freeVoxels, 20u);
+  const auto bakedFor = [&](const char* target, double shift) {
+    options.target = target;
+    options.forms = {"velocity"};
+    report_ = bake(asset, options, path("target.vdb"));
+    EXPECT_NEAR(static_cast<double>(grid().certificate->freeVoxels),
+                static_cast<double>(plain.freeVoxels), 2);
+    return StoredVoxels(path("target.vdb"), grid(), shift);
+  };
+  // Blender's grid lies half a voxel aside, and is the same.
+  const StoredVoxels shifted = bakedFor("blender", -options.voxelSize / 2);
+  EXPECT_TRUE(shifted.values() == voxels.values());
+  // Houdini's is turned: (x, y, z) -> (x, z, -y), of places and of components.
+  const StoredVoxels turned = bakedFor("houdini", 0);
+  ASSERT_EQ(turned.values().size(), voxels.values().size());
+  for (const auto& [ijk, value] : voxels.values()) {
+    const Ijk at = {ijk[0], ijk[2], -ijk[1]};
+    ASSERT_TRUE(turned.has(at));
+    ASSERT_LE((turned.at(at) - Vec3(value[0], value[2], -value[1])).norm(),
+              1e-6 * voxels.largest());
+  }
+}
+
+TEST_F(Conservative, CollocatedFluxesAreSampledWhereThatIsNearer) {
+  const ControlAsset asset = randomAsset(testing::creasedBox(2, 0.1, 1), true, 34);
+  for (const double ratio : {0.25, 0.9}) {
+    BakeOptions options = collocated(asset.mesh, ratio, 2);
+    const Certificate sampled = baked(asset, "velocity", options);
+    EXPECT_EQ(grid().method, "samples");
+    EXPECT_NE(grid().note.find("fine edges"), std::string::npos) << grid().note;
+    options.method = BakeMethod::Conservative;
+    const Certificate forced = baked(asset, "velocity", options);
+    EXPECT_EQ(grid().method, "circulations");
+    EXPECT_GT(forced.freeVoxels, sampled.freeVoxels);
+  }
+}
+
+TEST_F(Conservative, ConservativeIsRefusedWhereItCannotBe) {
+  ControlAsset asset = randomAsset(testing::creasedBox(2, 0.1, 1), true, 34);
+  const Complex& c = *asset.mesh.complex();
+  asset.forms.push_back(makeForm<2>("open", randomForm<2>(c, 1)));
+  asset.forms.push_back(makeForm<1>("turning", randomForm<1>(c, 2)));
+  BakeOptions options = collocated(asset.mesh, 0.5, 1);
+  options.method = BakeMethod::Conservative;
+  const auto refuses = [&](const char* form, const char* why) {
+    try {
+      baked(asset, form, options);
+      ADD_FAILURE() << form << " was baked";
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+    EXPECT_FALSE(fs::exists(path("out.vdb")));
+  };
+  for (const Sampling sampling : {Sampling::Staggered, Sampling::Collocated}) {
+    options.sampling = sampling;
+    refuses("open", "not closed");
+    refuses("turning", "not closed");
+  }
+  options.reconstruction = Reconstruction::Whitney;
+  refuses("velocity", "limit reconstruction");
+  options.reconstruction = Reconstruction::Limit;
+  options.boundary = BoundaryChoice::Expansion;
+  refuses("velocity", "walls or open");
 }
 
 TEST_F(Conservative, DerivativeOfAPotentialIsTheSameVelocity) {
@@ -161,14 +402,14 @@ TEST_F(Conservative, GradientsHaveNoCurl) {
         EXPECT_LE(found.maxCurl, kFloatCurl) << ratio;
         EXPECT_GT(found.insideVoxels, 50u);
         const double energy = found.energy;
-        options.samplesOnly = true;
+        options.method = BakeMethod::Samples;
         const Certificate sampled = baked(asset, "gradient", options);
         EXPECT_GT(sampled.maxCurl, 1e-3);
         // Alike where voxels resolve the field; staggered grids differ in what is active.
         if (sampling == Sampling::Collocated && ratio < 1) {
           EXPECT_NEAR(energy, sampled.energy, 0.1 * sampled.energy);
         }
-        options.samplesOnly = false;
+        options.method = BakeMethod::Auto;
         options.derivative = true;
         EXPECT_LE(baked(asset, "height", options).maxCurl, kFloatCurl);
         EXPECT_EQ(grid().method, "differences");
@@ -190,9 +431,9 @@ TEST_F(Conservative, QuadraticPotentialsHaveTheirGradient) {
   for (const Sampling sampling : {Sampling::Staggered, Sampling::Collocated}) {
     options.sampling = sampling;
     const Certificate differences = baked(asset, "height", options);
-    options.samplesOnly = true;
+    options.method = BakeMethod::Samples;
     const Certificate sampled = baked(asset, "height", options);
-    options.samplesOnly = false;
+    options.method = BakeMethod::Auto;
     if (sampling == Sampling::Collocated) {
       EXPECT_NEAR(differences.energy, sampled.energy, 0.005 * sampled.energy);
     }
@@ -250,6 +491,15 @@ TEST_F(Conservative, HalfIsReportedAsStored) {
   ASSERT_TRUE(grid().certificate);
   EXPECT_EQ(grid().certificate->maxDivergence, stored.maxDivergence);
   EXPECT_EQ(grid().certificate->energy, stored.energy);
+  // Collocated circulations keep their name; that they are no longer free is said.
+  options = collocated(asset.mesh, 0.45, 2);
+  const Certificate full = baked(asset, "velocity", options);
+  EXPECT_GT(full.freeVoxels, full.insideVoxels / 5);
+  EXPECT_EQ(grid().method, "circulations");
+  options.half = true;
+  const Certificate half = baked(asset, "velocity", options);
+  EXPECT_EQ(grid().method, "circulations");
+  EXPECT_LT(half.freeVoxels, half.insideVoxels / 20);
 }
 
 TEST_F(Conservative, CertificateIsInTheFile) {
@@ -263,7 +513,7 @@ TEST_F(Conservative, CertificateIsInTheFile) {
       if (m.name == wanted.name) ++found;
     }
   }
-  EXPECT_EQ(found, 10);
+  EXPECT_EQ(found, 11);
 }
 
 TEST_F(Conservative, FormsThatAreNotClosedAreSampledOrProjected) {

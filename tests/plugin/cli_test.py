@@ -97,6 +97,7 @@ class BadUsage(Case):
                 ("neither auto nor a number", *small, "--levels", "13"),
                 ("none of auto, walls, open", *small, "--boundary", "closed"),
                 ("none of collocated, staggered", *small, "--grid", "mac"),
+                ("none of auto, conservative, samples", *small, "--method", "exact"),
                 ("none of openvdb, blender, houdini, arnold, renderman", *small, "--target", "maya"),
                 ("there is no form \"vorticity\"; the asset has", *small, "--form", "vorticity"),
                 ("not animated", *small, "--frames", "1-3"),

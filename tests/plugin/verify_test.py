@@ -70,7 +70,7 @@ class Verify(unittest.TestCase):
                 frames = ["--frames", "1-1"] if "frames" in form else []
                 for resolution in ("14", "28", "44"):
                     grids = []
-                    for extra in ([], ["--samples-only"]):
+                    for extra in ([], ["--method", "samples"]):
                         out = self.path("out.vdb")
                         baked = call("bake", asset, "-o", out, "--form", form["name"], "--levels",
                                      "1", "--resolution", resolution, "--grid", "staggered", "--json",

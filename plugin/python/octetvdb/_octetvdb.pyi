@@ -201,6 +201,8 @@ class GridInfo:
     @property
     def method(self) -> str: ...
     @property
+    def sampled_voxels(self) -> int: ...
+    @property
     def note(self) -> str: ...
     @property
     def certificate(self) -> Certificate | None: ...
@@ -212,6 +214,8 @@ class Certificate:
     def active_voxels(self) -> int: ...
     @property
     def inside_voxels(self) -> int: ...
+    @property
+    def free_voxels(self) -> int: ...
     @property
     def max_divergence(self) -> float: ...
     @property
@@ -286,7 +290,7 @@ def bake(
     target: str = ...,
     half: bool = ...,
     project: bool = ...,
-    samples_only: bool = ...,
+    method: str = ...,
     frames: tuple[int, int] | None = ...,
     zeta: float = ...,
     progress: _Progress = ...,

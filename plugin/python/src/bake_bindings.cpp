@@ -17,7 +17,7 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                      std::vector<std::string> forms, bool derivative, double voxelSize,
                      int resolution, std::optional<int> levels, const std::string& boundary,
                      const std::string& grid, const std::string& reconstruction,
-                     const std::string& target, bool half, bool project, bool samplesOnly,
+                     const std::string& target, bool half, bool project, const std::string& method,
                      std::optional<std::pair<int, int>> frames, double zeta,
                      const py::object& progress) {
   BakeOptions options;
@@ -33,7 +33,10 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
   options.target = target;
   options.half = half;
   options.project = project;
-  options.samplesOnly = samplesOnly;
+  options.method = choose<BakeMethod>("method", method,
+                                      {{"auto", BakeMethod::Auto},
+                                       {"conservative", BakeMethod::Conservative},
+                                       {"samples", BakeMethod::Samples}});
   options.frames = frames;
   options.zeta = zeta;
   options.progress = progressCallback(progress);
@@ -67,7 +70,10 @@ void bindGridInfo(py::module_& module) {
       .def_readonly("half", &VdbGridInfo::half, "Stored as 16-bit floats?")
       .def_property_readonly("metadata", &metadataOf, "The grid's metadata as a dict.")
       .def_readonly("method", &VdbGridInfo::method,
-                    "How a vector grid was baked: \"circulations\" or \"samples\".")
+                    "How a vector grid was baked: \"circulations\", \"differences\" or "
+                    "\"samples\".")
+      .def_readonly("sampled_voxels", &VdbGridInfo::sampledVoxels,
+                    "Active voxels of a vector grid that hold samples whatever the method.")
       .def_readonly("note", &VdbGridInfo::note, "What there is to say about that.")
       .def_readonly("certificate", &VdbGridInfo::certificate,
                     "A Certificate, of a vector grid that was just baked; else None.")
@@ -101,7 +107,7 @@ void bindBake(py::module_& module) {
              py::arg("voxel_size") = 0.0, py::arg("resolution") = 0, py::arg("levels") = py::none(),
              py::arg("boundary") = "auto", py::arg("grid") = "collocated",
              py::arg("reconstruction") = "limit", py::arg("target") = "openvdb",
-             py::arg("half") = false, py::arg("project") = false, py::arg("samples_only") = false,
+             py::arg("half") = false, py::arg("project") = false, py::arg("method") = "auto",
              py::arg("frames") = py::none(), py::arg("zeta") = kDefaultZeta,
              py::arg("progress") = py::none(),
              R"(Bakes an asset's forms into OpenVDB grids, one per form.
@@ -118,7 +124,8 @@ reconstruction: "limit" or "whitney"
 target:         "openvdb", "blender", "houdini", "arnold" or "renderman"
 half:           store 16-bit floats
 project:        replace forms that are not closed by the nearest closed ones
-samples_only:   sample staggered fluxes too, instead of conserving them exactly
+method:         "auto", "conservative" (vectors without discrete divergence or curl, or an error)
+                or "samples"
 frames:         first and last frame of an animated asset; all by default
 zeta:           free weight of the octahedron's linear rule
 progress:       called as progress(stage, done, total, unit); returning False raises Cancelled

@@ -19,6 +19,8 @@ operator reads are active. Grids saved as 16-bit floats are measured as such.)")
       .def_readonly("active_voxels", &Certificate::activeVoxels, "Number of active voxels.")
       .def_readonly("inside_voxels", &Certificate::insideVoxels,
                     "Number of voxels where the divergence was measured.")
+      .def_readonly("free_voxels", &Certificate::freeVoxels,
+                    "Number of these where it is rounding: at most 24 / 2**24.")
       .def_readonly("max_divergence", &Certificate::maxDivergence, "Largest divergence.")
       .def_readonly("rms_divergence", &Certificate::rmsDivergence, "Its root mean square.")
       .def_readonly("at", &Certificate::at, "Index of the voxel of the largest divergence.")

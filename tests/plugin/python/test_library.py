@@ -194,7 +194,8 @@ def grids_of(path):
 
 @pytest.mark.parametrize("options", [
     {}, {"target": "blender"}, {"target": "houdini", "half": True}, {"grid": "staggered"},
-    {"reconstruction": "whitney"}, {"grid": "staggered", "samples_only": True}, {"project": True}, {"boundary": "open", "levels": 1}, {"zeta": -6.0},
+    {"reconstruction": "whitney"}, {"grid": "staggered", "method": "samples"},
+    {"method": "conservative"}, {"project": True}, {"boundary": "open", "levels": 1}, {"zeta": -6.0},
 ])
 def test_bakes_equal_the_command_line_s(tmp_path, flow_asset, options):
     control = str(tmp_path / "a.octet.json")
@@ -203,7 +204,7 @@ def test_bakes_equal_the_command_line_s(tmp_path, flow_asset, options):
     report = octetvdb.bake(flow_asset, mine, voxel_size=0.1, **options)
     arguments = []
     for key, value in options.items():
-        option = {"samples_only": "--samples-only"}.get(key, f"--{key}")
+        option = f"--{key}"
         arguments += [option] if value is True else [option, str(value)]
     done = subprocess.run([OCTETVDB, "bake", control, "-o", theirs, "--voxel-size", "0.1", "--json",
                            *arguments], check=True, capture_output=True, text=True)
@@ -215,6 +216,9 @@ def test_bakes_equal_the_command_line_s(tmp_path, flow_asset, options):
     (grid,), (told,) = report.files[0].grids, summary["files"][0]["grids"]
     assert (grid.name, grid.type, grid.active_voxels, list(grid.index_min), grid.half) == \
         (told["name"], told["type"], told["active_voxels"], told["index_min"], told["half"])
+    assert (grid.method, grid.sampled_voxels) == (told["method"], told["sampled_voxels"])
+    if options.get("method") == "conservative":
+        assert grid.method == "circulations" and 0 < grid.sampled_voxels < grid.active_voxels
     (read,) = octetvdb.read_grid_info(mine)
     assert (read.name, read.active_voxels) == (grid.name, grid.active_voxels)
     assert grid.metadata["octet_form"] == "flow"
