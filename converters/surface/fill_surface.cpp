@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <octet/core/base/error.h>
+#include <octet/core/cage/boundary_features.h>
 #include <octet/core/cage/box_cage.h>
 #include <octet/core/cage/nesting.h>
 #include <octet/core/topology/overlap.h>
@@ -73,7 +74,9 @@ class Fitting {
  public:
   Fitting(const TriangleSurface& surface, const SignedDistance& distance,
           const LatticeFillOptions& lattice, const FillOptions& options)
-      : bounds_(surface.bounds()),
+      : surface_(surface),
+        sharp_(findSharpEdges(surface, options.sharpAngle, kLeastSharp * options.spacing)),
+        bounds_(surface.bounds()),
         closest_(surface),
         distance_(distance),
         lattice_(lattice),
@@ -86,7 +89,8 @@ class Fitting {
       ControlMeshInput input = fillLattice(bounds_, distanceWithout(), lattice_, &report->lattice);
       const ControlMesh filled = ControlMesh::build(input);
       input.vertices = fitBoundary(
-          filled, [&](const Vec3& p) { return closest_.find(p).position; }, fit_,
+          filled, filled.positions(),
+          [&](const Vec3& p, Index) { return closest_.find(p).position; }, fit_,
           &report->fit.emplace());
       std::vector<Index> around = report->fit->offSurface;
       const auto overlap = findOverlap(*filled.complex(), input.vertices);
@@ -102,7 +106,9 @@ class Fitting {
                                     " would overlap " +
                                     ControlMesh::cellName(*filled.complex(), overlap->other));
       }
-      if (!again) return ControlMesh::build(std::move(input));
+      if (again) continue;
+      followSharpEdges(filled, &input, report);
+      return ControlMesh::build(std::move(input));
     }
   }
 
@@ -111,6 +117,86 @@ class Fitting {
   /// Interior vertices this much deeper than the threshold, in spacings, are kept.
   static constexpr double kSpare = 0.5;
   static constexpr std::size_t kMostDropped = 1000;
+  /// Vertices nearer to a sharp edge than this, in spacings, are on it.
+  static constexpr double kOnEdge = 1e-9;
+
+  // ---- sharp edges ------------------------------------------------------------------------------
+
+  static double length(const std::array<Index, 2>& edge, const Array<Vec3>& x) {
+    return (x[edge[1]] - x[edge[0]]).norm();
+  }
+
+  /// Moves chains of boundary vertices onto the sharp edges and marks as creases what gets there.
+  /// Vertices that do not, or are in the way of others, are let go, and the rest is fitted again.
+  void followSharpEdges(const ControlMesh& filled, ControlMeshInput* input, FillReport* report) {
+    const Complex& c = *filled.complex();
+    for (const auto& edge : sharp_.edges) report->sharpLength += length(edge, surface_.vertices);
+    BoundaryFeatures features =
+        findBoundaryFeatures(c, input->vertices, surface_, sharp_, lattice_.spacing);
+    if (features.edges.empty()) return;
+    const std::vector<TriangleSurface> chains = chainsAsSurfaces(surface_, sharp_);
+    const std::vector<ClosestPoints> closestOnChain(chains.begin(), chains.end());
+    const auto project = [&](const Vec3& p, Index v) -> Vec3 {
+      if (v != kNone && features.corners[v] != kNone) return surface_.vertices[features.corners[v]];
+      if (v != kNone && features.chains[v] != kNone) {
+        return closestOnChain[features.chains[v]].find(p).position;
+      }
+      return closest_.find(p).position;
+    };
+    BoundaryFitReport fit;
+    Array<Vec3> x;
+    for (int attempt = 0;; ++attempt) {
+      if (attempt == kAttempts || features.edges.empty()) return;
+      x = fitBoundary(filled, input->vertices, project, fit_, &fit);
+      std::vector<Index> bad = notThere(c, x, project, features);
+      const bool worse = fit.offSurface.size() > report->fit->offSurface.size();
+      if (worse) appendAround(c, fit.offSurface, &bad);
+      if (bad.empty() && !worse) break;
+      letGo(bad, &features);
+    }
+    if (findOverlap(c, x)) return;
+    fit.meanBefore = report->fit->meanBefore;
+    fit.maxBefore = report->fit->maxBefore;
+    report->fit = fit;
+    input->vertices = std::move(x);
+    for (const auto& edge : features.edges) report->creaseLength += length(edge, input->vertices);
+    input->creases = features.edges;
+    for (Index v = 0; v < c.vertexCount(); ++v) {
+      if (features.corners[v] != kNone) input->corners.push_back(v);
+    }
+  }
+
+  /// Vertices that are not on the corner or chain that they are to go to.
+  std::vector<Index> notThere(const Complex& c, const Array<Vec3>& x,
+                              const ProjectToSurface& project,
+                              const BoundaryFeatures& features) const {
+    std::vector<Index> result;
+    for (Index v = 0; v < c.vertexCount(); ++v) {
+      if (features.corners[v] == kNone && features.chains[v] == kNone) continue;
+      if ((project(x[v], v) - x[v]).norm() > kOnEdge * lattice_.spacing) result.push_back(v);
+    }
+    return result;
+  }
+
+  /// Appends the vertices of all cells at some vertices.
+  static void appendAround(const Complex& c, const std::vector<Index>& vertices,
+                           std::vector<Index>* around) {
+    for (const Index v : vertices) {
+      c.visitVertexStar(v, [&](const CellAtVertex& at) { appendBoundary(c, at.cell, around); });
+    }
+  }
+
+  /// Lets vertices go, with the edges at them.
+  static void letGo(const std::vector<Index>& vertices, BoundaryFeatures* features) {
+    for (const Index v : vertices) features->corners[v] = features->chains[v] = kNone;
+    const auto isFree = [&](Index v) {
+      return features->corners[v] == kNone && features->chains[v] == kNone;
+    };
+    auto& edges = features->edges;
+    edges.erase(std::remove_if(edges.begin(), edges.end(),
+                               [&](const auto& e) { return isFree(e[0]) || isFree(e[1]); }),
+                edges.end());
+  }
 
   /// The distance, but positive at lattice vertices that have been dropped.
   SignedDistance distanceWithout() const {
@@ -151,6 +237,8 @@ class Fitting {
     return dropped_.size() > before && dropped_.size() <= kMostDropped;
   }
 
+  const TriangleSurface& surface_;
+  const SharpEdges sharp_;
   Box bounds_;
   ClosestPoints closest_;
   const SignedDistance& distance_;
@@ -164,6 +252,9 @@ class Fitting {
 ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& options,
                         FillReport* report) {
   checkSpacing(surface, options.spacing);
+  if (!(options.sharpAngle > 0 && options.sharpAngle <= 180)) {
+    throw InputError("sharp-angle", "is not between 0 and 180");
+  }
   reportProgress(options.progress, {"find the inside", 0, 1, "surface"});
   const std::vector<SurfaceLayer> layers = layersOf(surface, options);
   FillReport done;

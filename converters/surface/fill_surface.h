@@ -3,6 +3,7 @@
 
 #include <octet/core/cage/boundary_fit.h>
 #include <octet/core/cage/lattice_fill.h>
+#include <octet/core/cage/sharp_edges.h>
 #include <octet/core/cage/triangle_surface.h>
 
 namespace octet {
@@ -15,6 +16,9 @@ struct FillOptions {
   bool allowIntersections = false;
   bool fitBoundary = false;  ///< move boundary vertices onto the surface (boundary_fit.h)
   BoundaryFitOptions fit;
+  /// Of a fit: edges at which the surface turns by more, in degrees, are followed by creases as far
+  /// as no cell is inverted; 180 makes none.
+  double sharpAngle = kSharpAngle;
   ProgressCallback progress;
 };
 
@@ -23,6 +27,7 @@ struct FillReport {
   double bodyVolume = 0;  ///< of what the surface encloses, less cavities
   Index bodies = 0, cavities = 0;
   std::optional<BoundaryFitReport> fit;
+  double sharpLength = 0, creaseLength = 0;  ///< of a fit: sharp edges there are, and creases made
 };
 
 /// @brief A control mesh that fills a closed surface with the regular lattice (lattice_fill.h),

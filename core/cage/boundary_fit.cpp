@@ -26,13 +26,13 @@ constexpr double kRest = 1e-3;
 
 class Fitter {
  public:
-  Fitter(const ControlMesh& mesh, const ProjectToSurface& project,
+  Fitter(const ControlMesh& mesh, Array<Vec3> start, const ProjectToSurface& project,
          const BoundaryFitOptions& options)
-      : c_(*mesh.complex()), x_(mesh.positions()), project_(project), options_(options) {
+      : c_(*mesh.complex()), x_(std::move(start)), project_(project), options_(options) {
     if (options.rounds < 0 || !(options.minVolume > 0 && options.minVolume < 1)) {
       throw InputError("fit", "rounds or least volume out of range");
     }
-    measureCells();
+    measureCells(mesh.positions());
     joinFacets();
     chooseMovable();
     colour();
@@ -66,13 +66,13 @@ class Fitter {
   }
 
  private:
-  void measureCells() {
+  void measureCells(const Array<Vec3>& x) {
     double sum = 0;
-    for (const auto& [a, b] : c_.edges) sum += (x_[b] - x_[a]).norm();
+    for (const auto& [a, b] : c_.edges) sum += (x[b] - x[a]).norm();
     edge_ = sum / c_.edgeCount();
     double tets = 0, octs = 0;
     for (Index cell = 0; cell < c_.cellCount(); ++cell) {
-      (c_.isTet(cell) ? tets : octs) += std::abs(cellVolume6(c_, x_, cell));
+      (c_.isTet(cell) ? tets : octs) += std::abs(cellVolume6(c_, x, cell));
     }
     tetCorner_ = c_.tetCount() ? tets / c_.tetCount() : 0;
     octCorner_ = c_.octCount() ? octs / c_.octCount() / 8 : 0;
@@ -217,7 +217,7 @@ class Fitter {
 
   /// As far towards the surface as the cells allow; is the vertex there then?
   bool push(Index v) {
-    const Vec3 from = x_[v], to = project_(from);
+    const Vec3 from = x_[v], to = project_(from, v);
     const double distance = (to - from).norm();
     if (distance <= 1e-12 * edge_) return true;
     double step = 1;
@@ -237,7 +237,7 @@ class Fitter {
     const Vec3 from = x_[v];
     Vec3 along = -before.gradient;
     if (onBoundary && !onSurface) {
-      const Vec3 normal = (project_(from) - from).normalized();
+      const Vec3 normal = (project_(from, v) - from).normalized();
       along -= along.dot(normal) * normal;
     }
     const double slope = along.norm();
@@ -247,7 +247,7 @@ class Fitter {
     step = std::min(step, 0.25 * edge_ / slope);
     for (int k = 0; k <= kHalvings; ++k, step /= 2) {
       const Vec3 to = from + step * along;
-      x_[v] = onSurface ? project_(to) : to;
+      x_[v] = onSurface ? project_(to, v) : to;
       if (star(v, false).distortion < before.distortion) return;
     }
     x_[v] = from;
@@ -260,7 +260,7 @@ class Fitter {
     parallelFor<Index>(
         c_.vertexCount(),
         [&](Index v) {
-          if (c_.vertexOnBoundary(v)) distances[v] = (project_(x_[v]) - x_[v]).norm();
+          if (c_.vertexOnBoundary(v)) distances[v] = (project_(x_[v], kNone) - x_[v]).norm();
         },
         64);
     summarise(distances, mean, max);
@@ -278,7 +278,7 @@ class Fitter {
           if (!c_.facetOnBoundary(f)) return;
           const auto [a, b, c] = c_.facetVertices(f);
           const Vec3 centre = (x_[a] + x_[b] + x_[c]) / 3;
-          distances[f] = (project_(centre) - centre).norm();
+          distances[f] = (project_(centre, kNone) - centre).norm();
         },
         64);
     summarise(distances, &report->meanFacet, &report->maxFacet);
@@ -310,9 +310,9 @@ class Fitter {
 
 }  // namespace
 
-Array<Vec3> fitBoundary(const ControlMesh& mesh, const ProjectToSurface& project,
+Array<Vec3> fitBoundary(const ControlMesh& mesh, Array<Vec3> start, const ProjectToSurface& project,
                         const BoundaryFitOptions& options, BoundaryFitReport* report) {
-  return Fitter(mesh, project, options).run(report);
+  return Fitter(mesh, std::move(start), project, options).run(report);
 }
 
 }  // namespace octet

@@ -8,8 +8,10 @@
 
 namespace octet {
 
-/// The point of a surface nearest to a point. Called from many threads.
-using ProjectToSurface = std::function<Vec3(const Vec3&)>;
+/// The point of a surface nearest to a point. Where the point is a boundary vertex that is to lie
+/// on a curve or corner of the surface, the nearest there; any other point comes with kNone. Called
+/// from many threads.
+using ProjectToSurface = std::function<Vec3(const Vec3&, Index vertex)>;
 
 struct BoundaryFitOptions {
   /// Corners of cells (cell_shape.h) keep at least this part of the volume they had on average.
@@ -35,10 +37,11 @@ struct BoundaryFitReport {
 /// distorted. Deeper vertices stay, so the interior of a lattice stays the lattice. A vertex that
 /// cannot reach the surface is left on its way, and counted in the report.
 /// The result does not depend on the number of threads.
+/// @param start  positions to begin with; those of `mesh` tell what volumes were before
 /// @return positions for the mesh' vertices. Cells stay positively oriented with at least the
 /// stated volume; that far parts of the boundary do not meet is for ControlMesh::build to tell.
 /// @throws Cancelled; InputError for a rounds or volume option out of range
-Array<Vec3> fitBoundary(const ControlMesh& mesh, const ProjectToSurface& project,
+Array<Vec3> fitBoundary(const ControlMesh& mesh, Array<Vec3> start, const ProjectToSurface& project,
                         const BoundaryFitOptions& options, BoundaryFitReport* report = nullptr);
 
 }  // namespace octet

@@ -33,13 +33,14 @@ class Remesher {
         mesh_(surface, sharp_),
         x_(surface.vertices.begin(), surface.vertices.end()),
         given_(turned()),
-        closest_(given_) {
+        closest_(given_),
+        chains_(chainsAsSurfaces(surface, sharp_)),
+        closestOnChain_(chains_.begin(), chains_.end()) {
     kinds_.assign(x_.size(), Kind::Smooth);
     for (const auto& edge : sharp_.edges) {
       for (const Index v : edge) kinds_[v] = Kind::Crease;
     }
     for (const Index v : sharp_.corners) kinds_[v] = Kind::Corner;
-    collectChains();
   }
 
   RemeshedSurface run() {
@@ -61,18 +62,6 @@ class Remesher {
   TriangleSurface turned() const {
     std::vector<std::array<Index, 2>> ignored;
     return mesh_.surface(x_, &ignored);
-  }
-
-  /// Each chain as a surface of triangles without area, to find nearest points on it.
-  void collectChains() {
-    chains_.resize(sharp_.chainCount);
-    for (std::size_t e = 0; e < sharp_.edges.size(); ++e) {
-      TriangleSurface& chain = chains_[sharp_.chains[e]];
-      const Index n = static_cast<Index>(chain.vertices.size());
-      for (const Index v : sharp_.edges[e]) chain.vertices.push_back(x_[v]);
-      chain.triangles.push_back({n, n + 1, n + 1});
-    }
-    for (const TriangleSurface& chain : chains_) closestOnChain_.emplace_back(chain);
   }
 
   // ---- measures ---------------------------------------------------------------------------------
@@ -278,9 +267,9 @@ class Remesher {
   std::vector<Vec3> x_;
   const TriangleSurface given_;
   const ClosestPoints closest_;
+  const std::vector<TriangleSurface> chains_;
+  const std::vector<ClosestPoints> closestOnChain_;
   std::vector<Kind> kinds_;
-  std::vector<TriangleSurface> chains_;
-  std::vector<ClosestPoints> closestOnChain_;
 };
 
 }  // namespace

@@ -150,4 +150,16 @@ SharpEdges findSharpEdges(const TriangleSurface& surface, double angle, double l
   return Finder(surface, angle, leastLength).run();
 }
 
+std::vector<TriangleSurface> chainsAsSurfaces(const TriangleSurface& surface,
+                                              const SharpEdges& sharp) {
+  std::vector<TriangleSurface> chains(sharp.chainCount);
+  for (std::size_t e = 0; e < sharp.edges.size(); ++e) {
+    TriangleSurface& chain = chains[sharp.chains[e]];
+    const Index n = static_cast<Index>(chain.vertices.size());
+    for (const Index v : sharp.edges[e]) chain.vertices.push_back(surface.vertices[v]);
+    chain.triangles.push_back({n, n + 1, n + 1});
+  }
+  return chains;
+}
+
 }  // namespace octet

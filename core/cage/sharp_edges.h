@@ -30,4 +30,8 @@ struct SharpEdges {
 SharpEdges findSharpEdges(const TriangleSurface& surface, double angle = kSharpAngle,
                           double leastLength = 0);
 
+/// Each chain as a surface of triangles without area, for ClosestPoints to find points on it.
+std::vector<TriangleSurface> chainsAsSurfaces(const TriangleSurface& surface,
+                                              const SharpEdges& sharp);
+
 }  // namespace octet

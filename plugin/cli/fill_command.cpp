@@ -8,6 +8,7 @@
 #include <octet/converters/surface/read_surface.h>
 #include <octet/core/base/error.h>
 #include <octet/core/cage/box_cage.h>
+#include <octet/core/cage/sharp_edges.h>
 #ifdef OCTETVDB_WITH_GMSH
 #include <octet/converters/gmsh/fill_tetrahedra.h>
 #endif
@@ -29,7 +30,6 @@ struct Arguments {
   Cells cells = Cells::Lattice;
   SurfaceReadOptions read;
   FillOptions fill;
-  double sharpAngle = kSharpAngle;
   bool keepTriangles = false;
   AssetUnits units;
   bool json = false;
@@ -75,7 +75,7 @@ InputError asUserSees(const InputError& e, const std::string& input) {
 Json fillTetrahedra(const Arguments& arguments, ControlMesh* mesh) {
   TetrahedraOptions options;
   options.spacing = arguments.fill.spacing;
-  options.sharpAngle = arguments.sharpAngle;
+  options.sharpAngle = arguments.fill.sharpAngle;
   options.keepTriangles = arguments.keepTriangles;
   options.progress = arguments.fill.progress;
   TetrahedraReport report;
@@ -122,7 +122,11 @@ Json fillInput(const Arguments& arguments, ControlMesh* mesh) {
                   {"components", report.lattice.components},
                   {"vertices_added_for_a_manifold", report.lattice.added},
                   {"vertices_dropped_for_a_manifold", report.lattice.dropped}};
-  if (report.fit) summary["fit"] = toJson(*report.fit);
+  if (report.fit) {
+    summary["fit"] = toJson(*report.fit);
+    summary["sharp_length"] = report.sharpLength;
+    summary["crease_length"] = report.creaseLength;
+  }
   return summary;
 }
 
@@ -185,7 +189,7 @@ void addFill(CLI::App* program) {
                    "The regular lattice of tetrahedra and octahedra, or tetrahedra made by Gmsh, "
                    "whose boundary follows sharp edges exactly");
   command
-      ->add_option("--sharp-angle", arguments->sharpAngle,
+      ->add_option("--sharp-angle", arguments->fill.sharpAngle,
                    "Edges where the surface turns by more, in degrees, become creases")
       ->capture_default_str();
   arguments->ofTetrahedra = {
@@ -198,7 +202,8 @@ void addFill(CLI::App* program) {
                        "Lattice: how deep inside, in spacings, interior vertices lie at least")
           ->capture_default_str(),
       command->add_flag("--fit-boundary", arguments->fill.fitBoundary,
-                        "Lattice: move boundary vertices onto the surface, inverting no cell"),
+                        "Lattice: move boundary vertices onto the surface and its sharp edges, "
+                        "inverting no cell"),
       command->add_option("--fit-rounds", arguments->fill.fit.rounds, "Sweeps of --fit-boundary")
           ->check(CLI::Range(1, 10000))
           ->capture_default_str(),

@@ -12,6 +12,7 @@
 #include <octet/core/cage/cell_shape.h>
 #include <octet/core/cage/nesting.h>
 #include <octet/core/cage/quality.h>
+#include <octet/core/refine/refiner.h>
 
 #include "tests/support/meshes.h"
 #include "tests/support/surfaces.h"
@@ -111,6 +112,85 @@ TEST(FillSurface, PlatesKeepTheirThicknessAndThinOnesAreRefused) {
   } catch (const InputError& e) {
     EXPECT_NE(e.reason().find("too coarse"), std::string::npos) << e.what();
   }
+}
+
+/// Length of the creases, whose vertices must all lie on the surface's sharp edges.
+double creaseLength(const ControlMesh& mesh, const TriangleSurface& surface) {
+  TriangleSurface lines;
+  for (const TriangleSurface& chain : chainsAsSurfaces(surface, findSharpEdges(surface))) {
+    lines = joined(lines, chain);
+  }
+  const ClosestPoints closest(lines);
+  const Complex& c = *mesh.complex();
+  double length = 0;
+  for (Index e = 0; e < c.edgeCount(); ++e) {
+    if (!(c.edgeFlags[e] & kOnCrease)) continue;
+    const Vec3 &a = mesh.positions()[c.edges[e][0]], &b = mesh.positions()[c.edges[e][1]];
+    EXPECT_LT(closest.find(a).distance, 1e-9);
+    EXPECT_LT(closest.find(b).distance, 1e-9);
+    length += (b - a).norm();
+  }
+  return length;
+}
+
+/// A cube's and an L's cages keep all edges and corners, through subdivision too.
+TEST(FillSurface, FitsFollowStraightSharpEdges) {
+  struct Case {
+    TriangleSurface surface;
+    double spacing, sharp, volume;
+    std::size_t corners;
+  };
+  const TriangleSurface cube = boxSurface(boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)));
+  for (const auto& [surface, spacing, sharp, volume, corners] :
+       {Case{cube, 0.25, 12, 1, 8}, Case{cube, 0.12, 12, 1, 8},
+        Case{ellSurface(), 0.23, 22, 3, 12}}) {
+    FillReport report;
+    const ControlMesh mesh = fitted(surface, spacing, &report);
+    EXPECT_NEAR(creaseLength(mesh, surface), sharp, 1e-9);
+    EXPECT_NEAR(report.creaseLength, sharp, 1e-9);
+    EXPECT_NEAR(report.sharpLength, sharp, 1e-12);
+    EXPECT_EQ(mesh.corners().size(), corners);
+    EXPECT_NEAR(volumeOf(mesh), volume, 1e-9);
+    RefinerOptions options;
+    options.levels = 1;
+    const Refiner refiner(mesh, options);
+    const Complex& c = refiner.finest();
+    double refined = 0;
+    for (Index cell = 0; cell < c.cellCount(); ++cell) {
+      refined += c.cellSigns[cell] * cellVolume6(c, refiner.positions(1), cell) / 6;
+    }
+    EXPECT_NEAR(refined, volume, 1e-9);
+  }
+}
+
+TEST(FillSurface, FitsFollowMostOfAnySharpEdge) {
+  for (const double spacing : {0.4, 0.3, 0.2}) {
+    const TriangleSurface surface = cylinder(1, 3, 128);
+    FillReport report;
+    const ControlMesh mesh = fitted(surface, spacing, &report);
+    EXPECT_GT(creaseLength(mesh, surface), 0.95 * 4 * M_PI);
+    EXPECT_TRUE(mesh.corners().empty());
+  }
+  // What is not followed keeps the fit that there would be without.
+  FillReport report;
+  const ControlMesh ell = fitted(ellSurface(), 0.12, &report);
+  EXPECT_GT(creaseLength(ell, ellSurface()), 0.8 * 22);
+  EXPECT_EQ(report.fit->offSurface.size(), 0u);
+}
+
+TEST(FillSurface, FitsHaveNoCreasesWhereNoneAreWanted) {
+  FillOptions options;
+  options.spacing = 0.25;
+  options.fitBoundary = true;
+  options.sharpAngle = 91;
+  FillReport report;
+  const TriangleSurface cube = boxSurface(boxOf(Vec3(0, 0, 0), Vec3(1, 1, 1)));
+  EXPECT_EQ(creaseLength(fillSurface(cube, options, &report), cube), 0);
+  EXPECT_EQ(report.sharpLength, 0);
+  options.sharpAngle = 0;
+  EXPECT_THROW(fillSurface(cube, options), InputError);
+  fitted(blob(2), 0.25, &report);
+  EXPECT_EQ(report.creaseLength, 0);
 }
 
 TEST(FillSurface, ResultDoesNotDependOnWhereTheBodyIs) {

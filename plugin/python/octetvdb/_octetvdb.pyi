@@ -323,6 +323,7 @@ def fill_surface(
     *,
     depth: float = ...,
     fit_boundary: bool = ...,
+    sharp_angle: float = ...,
     allow_intersections: bool = ...,
     progress: _Progress = ...,
 ) -> ControlMesh: ...

@@ -39,12 +39,14 @@ TriangleSurface surfaceFrom(const py::object& vertices, const py::object& triang
 
 std::shared_ptr<ControlMesh> makeFilledCage(const py::object& vertices, const py::object& triangles,
                                             double spacing, double depth, bool fitBoundary,
-                                            bool allowIntersections, const py::object& progress) {
+                                            double sharpAngle, bool allowIntersections,
+                                            const py::object& progress) {
   const TriangleSurface surface = surfaceFrom(vertices, triangles);
   FillOptions options;
   options.spacing = spacing;
   options.depth = depth;
   options.fitBoundary = fitBoundary;
+  options.sharpAngle = sharpAngle;
   options.allowIntersections = allowIntersections;
   options.progress = progressCallback(progress);
   options.fit.progress = options.progress;
@@ -86,8 +88,8 @@ spacing:   edge length of the lattice, world units, about: whole layers fit
 Every interior vertex is regular. Raises InputError.)");
   module.def("fill_surface", &makeFilledCage, py::arg("vertices"), py::arg("triangles"),
              py::arg("spacing"), py::kw_only(), py::arg("depth") = 0.5,
-             py::arg("fit_boundary") = false, py::arg("allow_intersections") = false,
-             py::arg("progress") = py::none(),
+             py::arg("fit_boundary") = false, py::arg("sharp_angle") = kSharpAngle,
+             py::arg("allow_intersections") = false, py::arg("progress") = py::none(),
              R"(A closed surface filled with the regular lattice of tetrahedra and octahedra.
 
 vertices:  float (n, 3), world units
@@ -95,6 +97,8 @@ triangles: int (n, 3), in any orientation
 spacing:   edge length of the lattice, world units
 depth:     lattice vertices deeper inside than this, in spacings, become interior vertices
 fit_boundary: move boundary vertices onto the surface, as far as no cell is inverted
+sharp_angle: of a fit: edges where the surface turns by more, in degrees, are followed by creases as
+           far as no cell is inverted; 180 makes none
 allow_intersections: take a surface that passes through itself for the body it encloses
 progress:  called as progress(stage, done, total, unit); returning False raises Cancelled
 A part of the surface within another is a cavity. The boundary is a manifold, without a fit within
