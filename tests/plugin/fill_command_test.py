@@ -124,6 +124,19 @@ class Fill(CommandTest):
                                "-o", self.path("b.octet"))
         self.check(summary, 4.19, 0.3)
 
+    def test_fit_makes_creases_of_sharp_edges(self):
+        corners = [(k & 1, k >> 1 & 1, k >> 2) for k in range(8)]
+        quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
+        cube = self.path("cube.obj", obj(corners, [t for a, b, c, d in quads
+                                                   for t in ((a, b, c), (a, c, d))]))
+        fill = ("fill", cube, "--spacing", "0.25", "--fit-boundary", "-o")
+        summary = self.succeed(*fill, self.path("cube.octet.json"))
+        self.check(summary, 1, 1e-9)
+        self.assertAlmostEqual(summary["fill"]["crease_length"], 12, delta=1e-9)
+        self.assertEqual(summary["corners"], 8)
+        summary = self.succeed(*fill, self.path("round.octet.json"), "--sharp-angle", "91")
+        self.assertEqual((summary["creases"], summary["fill"]["sharp_length"]), (0, 0))
+
     def test_level_set_and_fog(self):
         bunny = self.path("bunny.vdb")
         subprocess.run([sys.executable, BUNNY, bunny], check=True)

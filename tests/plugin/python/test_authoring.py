@@ -82,10 +82,15 @@ def tetrahedra_or_skip(*arguments, **options):
         raise
 
 
-def test_tetrahedra_keep_the_edges_of_a_cube():
+def test_cages_keep_the_edges_of_a_cube():
     corners = np.array([[k & 1, k >> 1 & 1, k >> 2] for k in range(8)], float)
     quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
     triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    fitted = octetvdb.fill_surface(corners, triangles, 0.25, fit_boundary=True)
+    ends = fitted.vertices[fitted.creases]
+    assert np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).sum() == pytest.approx(12)
+    assert len(octetvdb.fill_surface(corners, triangles, 0.25, fit_boundary=True,
+                                     sharp_angle=91).creases) == 0
     mesh = tetrahedra_or_skip(corners, triangles, 0.4)
     assert len(mesh.octahedra) == 0
     assert mesh.cell_volumes.sum() == pytest.approx(1)
