@@ -14,6 +14,7 @@
 #include <octet/core/base/error.h>
 
 #include "../io/atomic_file.h"
+#include "../io/line_counter.h"
 #include "cbor_reader.h"
 
 namespace octet {
@@ -51,10 +52,12 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
  public:
   DocumentValue root;
 
-  bool null() override { return add({}); }
+  /// @param lines  of the text that is parsed; none for CBOR
+  Builder(LineCounter* lines, bool rowLines) : lines_(lines), rowLines_(rowLines) {}
+
+  bool null() override { return add(start(DocumentValue::Kind::Null)); }
   bool boolean(bool x) override {
-    DocumentValue v;
-    v.kind = DocumentValue::Kind::Bool;
+    DocumentValue v = start(DocumentValue::Kind::Bool);
     v.truth = x;
     return add(std::move(v));
   }
@@ -66,15 +69,13 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
       stack_.back().numbers.push_back(x);
       return true;
     }
-    DocumentValue v;
-    v.kind = DocumentValue::Kind::Number;
+    DocumentValue v = start(DocumentValue::Kind::Number);
     v.number = x;
     return add(std::move(v));
   }
   bool string(string_t& text) override {
     if (!isUtf8(text)) fail("is not UTF-8");
-    DocumentValue v;
-    v.kind = DocumentValue::Kind::String;
+    DocumentValue v = start(DocumentValue::Kind::String);
     v.text = std::move(text);
     return add(std::move(v));
   }
@@ -108,7 +109,9 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
                        excerpt(text.substr(end + 2)));
     }
     const auto bracket = text.find("] ");
-    return fail(excerpt(bracket == std::string::npos ? text : text.substr(bracket + 2)));
+    const std::string at = lines_ ? "line " + std::to_string(lines_->line()) + ", " : "";
+    throw InputError(at + place(),
+                     excerpt(bracket == std::string::npos ? text : text.substr(bracket + 2)));
   }
 
  private:
@@ -125,14 +128,20 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return text;
   }
 
+  DocumentValue start(DocumentValue::Kind kind) const {
+    DocumentValue v;
+    v.kind = kind;
+    if (lines_) v.line = lines_->line();
+    return v;
+  }
+
   [[noreturn]] bool fail(const std::string& reason) const { throw InputError(place(), reason); }
 
   bool open(DocumentValue::Kind kind) {
     if (stack_.size() >= kDeepest) {
       fail("is nested deeper than " + std::to_string(kDeepest) + " levels");
     }
-    stack_.emplace_back();
-    stack_.back().kind = kind;
+    stack_.push_back(start(kind));
     stack_.back().flat = kind == DocumentValue::Kind::Table;
     return true;
   }
@@ -156,6 +165,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
         parent.flat = false;
         parent.numbers.insert(parent.numbers.end(), v.numbers.begin(), v.numbers.end());
         parent.rowEnds.push_back(parent.numbers.size());
+        if (rowLines_) parent.rowLines.push_back(v.line);
         return true;
       }
       if (!first) fail("is of another kind than the entries before");
@@ -169,6 +179,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
+  LineCounter* lines_;
+  bool rowLines_;
   std::vector<DocumentValue> stack_;
   std::size_t values_ = 0;
 };
@@ -183,17 +195,22 @@ Encoding encodingOf(int firstByte, const std::string& path) {
   throw InputError(path, "", "is neither JSON nor CBOR");
 }
 
-void parse(std::istream* in, Encoding encoding, Builder* builder) {
+DocumentValue parse(std::istream* in, Encoding encoding, bool rowLines) {
   if (encoding == Encoding::Cbor) {
-    CborReader<Builder>(in, builder).run();
-    return;
+    Builder builder(nullptr, rowLines);
+    CborReader<Builder>(in, &builder).run();
+    return std::move(builder.root);
   }
-  nlohmann::json::sax_parse(*in, builder);
+  LineCounter lines(in->rdbuf());
+  std::istream text(&lines);
+  Builder builder(&lines, rowLines);
+  nlohmann::json::sax_parse(text, &builder);
   // The parser takes a zero byte for the end.
-  in->clear();
-  if (in->peek() != std::char_traits<char>::eof()) {
+  text.clear();
+  if (text.peek() != std::char_traits<char>::eof()) {
     throw InputError("", "the file goes on after the document's end");
   }
+  return std::move(builder.root);
 }
 
 }  // namespace
@@ -210,7 +227,7 @@ std::size_t DocumentValue::size() const {
   return flat ? numbers.size() : rowEnds.size();
 }
 
-DocumentValue readDocument(const std::string& path) {
+DocumentValue readDocument(const std::string& path, bool rowLines) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status)) throw InputError(path, "", "is a folder");
   std::ifstream file(path, std::ios::binary);
@@ -218,9 +235,9 @@ DocumentValue readDocument(const std::string& path) {
   const int first = file.peek();
   if (first == std::ifstream::traits_type::eof()) throw InputError(path, "", "is empty");
   const Encoding encoding = encodingOf(first, path);
-  Builder builder;
+  DocumentValue root;
   try {
-    parse(&file, encoding, &builder);
+    root = parse(&file, encoding, rowLines);
   } catch (const InputError& e) {
     throw e.inFile(path);
   } catch (const std::bad_alloc&) {
@@ -228,10 +245,10 @@ DocumentValue readDocument(const std::string& path) {
   } catch (const std::length_error&) {
     throw InputError(path, "", "does not fit into memory");
   }
-  if (builder.root.kind != DocumentValue::Kind::Object) {
+  if (root.kind != DocumentValue::Kind::Object) {
     throw InputError(path, "", "is not a control asset: the document is not an object");
   }
-  return std::move(builder.root);
+  return root;
 }
 
 // ---- writing ------------------------------------------------------------------------------------

@@ -24,6 +24,8 @@ struct DocumentValue {
   std::vector<DocumentValue> elements;  ///< Array, and the values of an Object
   std::vector<std::string> keys;        ///< Object
   bool flat = false;                    ///< Table: an array of numbers rather than of arrays
+  int line = 0;                         ///< of JSON text where it starts, from 1; 0: unknown
+  std::vector<int> rowLines;            ///< Table: where each row starts, when it was asked for
 
   const DocumentValue* find(std::string_view key) const;
   std::size_t size() const;
@@ -31,8 +33,9 @@ struct DocumentValue {
 
 /// @brief Reads a JSON or CBOR document, whichever the file holds. Nesting is limited, so a hostile
 /// file cannot exhaust the stack, and memory stays in proportion to the file.
+/// @param rowLines  also keep the lines of rows, for files that people write
 /// @throws InputError (file, position, reason) when it cannot be read or is malformed.
-DocumentValue readDocument(const std::string& path);
+DocumentValue readDocument(const std::string& path, bool rowLines = false);
 
 /// @brief Writes a document piece by piece, as JSON or as CBOR, without holding it in memory.
 /// Numbers are written so that they read back to the same double.

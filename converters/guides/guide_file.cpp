@@ -216,29 +216,41 @@ class CsvReader {
 
 using Kind = DocumentValue::Kind;
 
+/// "line 7, curves[0].points[2]"; the line is unknown in CBOR.
+std::string placeAt(int line, const std::string& place) {
+  return line > 0 ? lineName(line) + ", " + place : place;
+}
+
+std::string rowPlace(const DocumentValue& table, const std::string& name, std::size_t row) {
+  return placeAt(table.rowLines[row], name + "[" + std::to_string(row) + "]");
+}
+
+/// A value and its path in the document, "curves[0].speed".
+struct Located {
+  const DocumentValue& value;
+  std::string path;
+
+  std::string place() const { return placeAt(value.line, path); }
+};
+
 class JsonReader {
  public:
   JsonReader(std::string path, double speed) : path_(std::move(path)), speed_(speed) {}
 
   Guides read() {
-    const DocumentValue document = readDocument(path_);
-    if (document.kind != Kind::Object) fail("", "is not a JSON object");
-    for (const std::string& key : document.keys) {
-      if (key != "curves" && key != "vectors") fail(key, "is neither curves nor vectors");
+    const DocumentValue document = readDocument(path_, /*rowLines=*/true);
+    checkKeys({document, ""}, {"curves", "vectors"});
+    visitObjects(document, "curves", [&](const Located& curve) { addCurve(curve); });
+    visitObjects(document, "vectors", [&](const Located& vector) { addVector(vector); });
+    if (guides_.curves.empty() && guides_.vectors.empty()) {
+      throw InputError(path_, "", "has no guides");
     }
-    visitObjects(document, "curves", [&](const DocumentValue& curve, const std::string& place) {
-      addCurve(curve, place);
-    });
-    visitObjects(document, "vectors", [&](const DocumentValue& vector, const std::string& place) {
-      addVector(vector, place);
-    });
-    if (guides_.curves.empty() && guides_.vectors.empty()) fail("", "has no guides");
     return std::move(guides_);
   }
 
  private:
-  [[noreturn]] void fail(const std::string& place, const std::string& reason) const {
-    throw InputError(path_, place, reason);
+  [[noreturn]] void fail(const Located& at, const std::string& reason) const {
+    throw InputError(path_, at.place(), reason);
   }
 
   template <typename Visit>
@@ -248,89 +260,95 @@ class JsonReader {
     if (list->kind != Kind::Array) {
       // An empty list is a table of no numbers.
       if (list->kind == Kind::Table && list->size() == 0) return;
-      fail(key, "is not a list of objects");
+      fail({*list, key}, "is not a list of objects");
     }
     for (std::size_t k = 0; k < list->elements.size(); ++k) {
-      const std::string place = key + "[" + std::to_string(k) + "]";
-      if (list->elements[k].kind != Kind::Object) fail(place, "is not an object");
-      visit(list->elements[k], place);
+      const Located element{list->elements[k], key + "[" + std::to_string(k) + "]"};
+      if (element.value.kind != Kind::Object) fail(element, "is not an object");
+      visit(element);
     }
   }
 
-  void checkKeys(const DocumentValue& object, const std::string& place,
-                 const std::vector<std::string>& known) const {
-    for (const std::string& key : object.keys) {
+  void checkKeys(const Located& object, const std::vector<std::string>& known) const {
+    for (std::size_t k = 0; k < object.value.keys.size(); ++k) {
+      const std::string& key = object.value.keys[k];
       if (std::find(known.begin(), known.end(), key) == known.end()) {
-        fail(place + "." + key, "is not known");
+        fail(member(object, object.value.elements[k], key), "is not known");
       }
     }
   }
 
-  std::string name(const DocumentValue& object, const std::string& place) const {
-    const DocumentValue* value = object.find("name");
-    if (!value) return place;
-    if (value->kind != Kind::String) fail(place + ".name", "is not text");
+  static Located member(const Located& object, const DocumentValue& value, const std::string& key) {
+    return {value, object.path.empty() ? key : object.path + "." + key};
+  }
+
+  std::string name(const Located& object) const {
+    const DocumentValue* value = object.value.find("name");
+    if (!value) return object.path;
+    if (value->kind != Kind::String) fail(member(object, *value, "name"), "is not text");
     return value->text;
   }
 
-  double number(const DocumentValue& object, const std::string& place, const char* key,
-                double otherwise) const {
-    const DocumentValue* value = object.find(key);
+  double number(const Located& object, const char* key, double otherwise) const {
+    const DocumentValue* value = object.value.find(key);
     if (!value) return otherwise;
-    if (value->kind != Kind::Number) fail(place + "." + key, "is not a number");
+    if (value->kind != Kind::Number) fail(member(object, *value, key), "is not a number");
     return value->number;
   }
 
-  Vec3 vector(const DocumentValue& object, const std::string& place, const char* key) const {
-    const DocumentValue* value = object.find(key);
-    if (!value) fail(place, std::string("has no ") + key);
+  Vec3 vector(const Located& object, const char* key) const {
+    const DocumentValue* value = object.value.find(key);
+    if (!value) fail(object, std::string("has no ") + key);
     if (value->kind != Kind::Table || !value->flat || value->numbers.size() != 3) {
-      fail(place + "." + key, "is not a list of three numbers");
+      fail(member(object, *value, key), "is not a list of three numbers");
     }
     return {value->numbers[0], value->numbers[1], value->numbers[2]};
   }
 
-  void addCurve(const DocumentValue& object, const std::string& place) {
-    checkKeys(object, place, {"name", "points", "speed", "speeds", "weight"});
+  void addCurve(const Located& object) {
+    checkKeys(object, {"name", "points", "speed", "speeds", "weight"});
     GuideCurve curve;
-    curve.name = name(object, place);
+    curve.name = name(object);
     curve.file = path_;
-    curve.weight = number(object, place, "weight", 1);
-    const DocumentValue* points = object.find("points");
-    if (!points) fail(place, "has no points");
-    if (points->kind != Kind::Table || points->flat) {
-      fail(place + ".points", "is not a list of [x, y, z]");
-    }
-    std::size_t first = 0;
-    for (std::size_t k = 0; k < points->rowEnds.size(); ++k) {
-      const std::string at = place + ".points[" + std::to_string(k) + "]";
-      if (points->rowEnds[k] - first != 3) fail(at, "is not [x, y, z]");
-      curve.points.emplace_back(points->numbers[first], points->numbers[first + 1],
-                                points->numbers[first + 2]);
-      curve.places.push_back(at);
-      first = points->rowEnds[k];
-    }
-    if (const DocumentValue* speeds = object.find("speeds")) {
-      if (object.find("speed")) fail(place, "has both speed and speeds");
+    curve.weight = number(object, "weight", 1);
+    addPoints(object, &curve);
+    if (const DocumentValue* speeds = object.value.find("speeds")) {
+      if (object.value.find("speed")) fail(object, "has both speed and speeds");
       if (speeds->kind != Kind::Table || !speeds->flat) {
-        fail(place + ".speeds", "is not a list of numbers");
+        fail(member(object, *speeds, "speeds"), "is not a list of numbers");
       }
       curve.speeds.assign(speeds->numbers.begin(), speeds->numbers.end());
     } else {
-      curve.speeds = {number(object, place, "speed", speed_)};
+      curve.speeds = {number(object, "speed", speed_)};
     }
     guides_.curves.push_back(std::move(curve));
   }
 
-  void addVector(const DocumentValue& object, const std::string& place) {
-    checkKeys(object, place, {"name", "point", "value", "weight"});
+  void addPoints(const Located& object, GuideCurve* curve) const {
+    const DocumentValue* points = object.value.find("points");
+    if (!points) fail(object, "has no points");
+    const Located table = member(object, *points, "points");
+    if (points->kind != Kind::Table || points->flat) fail(table, "is not a list of [x, y, z]");
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < points->rowEnds.size(); ++k) {
+      const std::string place = rowPlace(*points, table.path, k);
+      if (points->rowEnds[k] - first != 3) throw InputError(path_, place, "is not [x, y, z]");
+      curve->points.emplace_back(points->numbers[first], points->numbers[first + 1],
+                                 points->numbers[first + 2]);
+      curve->places.push_back(place);
+      first = points->rowEnds[k];
+    }
+  }
+
+  void addVector(const Located& object) {
+    checkKeys(object, {"name", "point", "value", "weight"});
     GuideVector result;
-    result.name = name(object, place);
-    result.point = vector(object, place, "point");
-    result.value = vector(object, place, "value");
-    result.weight = number(object, place, "weight", 1);
+    result.name = name(object);
+    result.point = vector(object, "point");
+    result.value = vector(object, "value");
+    result.weight = number(object, "weight", 1);
     result.file = path_;
-    result.place = place;
+    result.place = object.place();
     guides_.vectors.push_back(std::move(result));
   }
 
@@ -350,11 +368,10 @@ Guides readGuides(const std::string& path, double speed) {
 }
 
 std::map<Index, double> readGivenFlux(const std::string& path, const ControlMesh& mesh) {
-  const DocumentValue document = readDocument(path);
+  const DocumentValue document = readDocument(path, /*rowLines=*/true);
   const auto fail = [&](const std::string& place, const std::string& reason) {
     throw InputError(path, place, reason);
   };
-  if (document.kind != Kind::Object) fail("", "is not a JSON object");
   const DocumentValue* simplices = document.find("simplices");
   const DocumentValue* values = document.find("values");
   if (!simplices || simplices->kind != Kind::Table || simplices->flat) {
@@ -371,7 +388,7 @@ std::map<Index, double> readGivenFlux(const std::string& path, const ControlMesh
   std::map<Index, double> result;
   std::size_t first = 0;
   for (std::size_t k = 0; k < simplices->rowEnds.size(); ++k) {
-    const std::string place = "simplices[" + std::to_string(k) + "]";
+    const std::string place = rowPlace(*simplices, "simplices", k);
     std::array<Index, 3> v{};
     if (simplices->rowEnds[k] - first != 3) fail(place, "is not [a, b, c]");
     for (std::size_t i = 0; i < 3; ++i) {

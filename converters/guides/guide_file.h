@@ -22,7 +22,7 @@ namespace octet {
 ///
 /// World units of the cage, and per second.
 /// @param speed  of curves that state none
-/// @throws InputError with file, line (or JSON place) and reason
+/// @throws InputError with file, line (in JSON also the place, "curves[0].points[2]") and reason
 Guides readGuides(const std::string& path, double speed = 1);
 
 /// @brief Reads given fluxes through boundary facets: {"simplices": [[a,b,c],..], "values": [..]},

@@ -42,9 +42,9 @@ def main():
     flow = fluid(bpy.context.object, "FLOW").flow_settings
     flow.flow_type = "SMOKE"
     flow.flow_behavior = "INFLOW"
+    # Heat alone drives it: Blender 3.4 multiplies an initial velocity on grids of more than 32
+    # voxels (15 times at 48, 19 times at 96).
     flow.temperature = 2.0
-    flow.use_initial_velocity = True
-    flow.velocity_coord = (0, 0, 1.5)
 
     # Blender writes the velocity only where there is smoke: a thin haze fills the domain.
     bpy.ops.mesh.primitive_cube_add(size=2.9, location=(0, 0, 1.5))
@@ -66,6 +66,7 @@ def main():
     domain.resolution_max = options.resolution
     domain.use_adaptive_domain = False
     domain.vorticity = 0.1
+    domain.time_scale = 2
     domain.clipping = 0
     domain.cache_type = "ALL"
     domain.cache_data_format = "OPENVDB"

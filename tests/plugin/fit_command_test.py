@@ -158,16 +158,18 @@ class Fit(unittest.TestCase):
         self.check_flux(asset, given)
         self.assertTrue(any("--boundary walls" in r for r in report["remarks"]))
         inside = next(f for f in self.cage.facets if f not in self.cage.boundary_facets)
-        for text, reason in (
-                (json.dumps({"simplices": [inside], "values": [1]}), "not on the boundary"),
+        for text, *parts in (
+                ('{"values": [1], "simplices": [\n%s]}' % json.dumps(inside), "line 2, simplices[0]",
+                 "not on the boundary"),
                 (json.dumps({"simplices": [[0, 1, 1e6]], "values": [1]}), "out of range"),
                 (json.dumps({"simplices": list(given), "values": [1]}), "1 values"),
                 (json.dumps({"simplices": list(given),
                              "values": [2 * v if k == 0 else v
                                         for k, v in enumerate(given.values())]}),
                  "divergence-free")):
-            self.assertIn(reason, self.fit("--guides", straight, "--flux",
-                                           self.write("bad.json", text), code=2))
+            message = self.fit("--guides", straight, "--flux", self.write("bad.json", text), code=2)
+            for part in parts:
+                self.assertIn(part, message)
 
     def test_conflict_is_said(self):
         guides = self.write("guides.json", json.dumps({"curves": [
@@ -204,13 +206,26 @@ class Fit(unittest.TestCase):
                 ("a.obj", "v 0 0 0\nv 5 0 0\n\nl 1 2\n", "line 1", "outside"),
                 ("a.obj", "v 0 0 0\n", "no polylines"),
                 ("a.json", "[1]", "not an object"),
-                ("a.json", '{"curves": [{"points": [[0, 0], [1, 0]]}]}', "curves[0].points[0]"),
-                ("a.json", '{"curves": [{"points": [[0,0,0], [0,0,0]]}]}', "curves[0].points[1]",
-                 "zero length"),
-                ("a.json", '{"vectors": [{"point": [9, 0, 0], "value": [1, 0, 0]}]}', "vectors[0]",
-                 "outside"),
-                ("a.json", '{"curves": [{"points": [[0,0,0], [0.5,0,0]], "sped": 1}]}',
-                 "curves[0].sped"),
+                ("a.json", '{"curves": [{"points": [[0, 0], [1, 0]]}]}', "line 1",
+                 "curves[0].points[0]"),
+                ("a.json", '{"curves": [\n{"points": [\n[0,0,0],\n[0,0,0]\n]}]}', "line 4",
+                 "curves[0].points[1]", "zero length"),
+                ("a.json", '{"curves": [{"points": [\n[0,9,\n0], [1\n,9,0]]}]}', "line 2",
+                 "curves[0].points[0]", "outside"),
+                ("a.json", '{"curves": [{"points": [[0,0,0],\r\n[0,NaN,0]]}]}', "line 2"),
+                ("a.json", '{"curves": [{"points": [[0,0,0],\n[0,1e999,0]]}]}', "line 2",
+                 "curves[0].points[1][1]"),
+                ("a.json", '{"curves": [{"points": [[0,0,0], [0.5,0,0]],\n"weight": -1\n}]}',
+                 "line 1", "weight"),
+                ("a.json", '{"curves": [{"points": [[0,0,0], [0.5,0,0]],\n\n"speed": "1"\n}]}',
+                 "line 3", "curves[0].speed", "not a number"),
+                ("a.json", '{"vectors": [\n\n{"point": [9, 0, 0],\n"value": [1, 0, 0]}]}', "line 3",
+                 "vectors[0]", "outside"),
+                ("a.json", '{"curves": [{"points": [[0,0,0], [0.5,0,0]],\n"sped": 1\n}]}',
+                 "line 2", "curves[0].sped"),
+                # Longer than what is read at once.
+                ("a.json", '{"curves": [{"points": [' + "\n" * 200000 + '[0,0,0], [0,0,0]]}]}',
+                 "line 200001", "zero length"),
                 ("a.txt", "", ".obj, .csv and .json")):
             message = self.fit("--guides", self.write(name, text), code=2)
             for part in (name, *parts):
