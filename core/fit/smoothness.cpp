@@ -10,9 +10,10 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-/// Weight of the terms of lower order, `a` in the header: their share of the cost is at most this
-/// where a field varies over l, yet far above rounding.
-constexpr double kLowerOrder = 1e-3;
+/// Weights `a` and `b` of the terms of lower order in the header. Below a = 0.01 speed grows
+/// between guides and walls, to twice that of rings in a box and more; above 1 guides are missed by
+/// more.
+constexpr double kFirstOrder = 0.1, kZerothOrder = 1e-6;
 
 /// A diagonal entry is at least this share of the mass matrix' own.
 constexpr double kLeastOfDiagonal = 0.2;
@@ -81,35 +82,88 @@ Matrix squared(const Matrix& b, const Eigen::VectorXd& w) {
   return Matrix(b.transpose()) * scaled;
 }
 
-struct Orders {
-  Matrix first, second;  // |curl|^2 + |div|^2, |Laplacian|^2
-};
-
-/// Adds delta v, a (K-1)-form, and d delta v.
+/// |d delta v|^2, of a (K-1)-form delta v.
 template <int K>
-void addDown(const Complex& c, const Array<Vec3>& x, const Matrix& mass, Orders* orders) {
+Matrix downAndUp(const Complex& c, const Array<Vec3>& x, const Matrix& mass) {
   const Matrix below = massMatrix<K - 1>(c, x);
   const Matrix d = coboundaryMatrix<K - 1>(c);
   const Eigen::VectorXd weights = lumped<K - 1>(c, x, below);
   const Eigen::VectorXd known = inside<K - 1>(c, false);
   const Matrix delta = Eigen::VectorXd(known.cwiseQuotient(weights)).asDiagonal() *
                        Matrix(Matrix(d.transpose()) * mass);
-  orders->first += squared(delta, weights);
   const Eigen::VectorXd own = lumped<K>(c, x, mass).cwiseProduct(inside<K>(c, true));
-  orders->second += squared(Matrix(d * delta), own);
+  return squared(Matrix(d * delta), own);
 }
 
-/// Adds d v, a (K+1)-form, and delta d v.
+/// |delta d v|^2, of a (K+1)-form d v.
 template <int K>
-void addUp(const Complex& c, const Array<Vec3>& x, const Matrix& mass, Orders* orders) {
+Matrix upAndDown(const Complex& c, const Array<Vec3>& x, const Matrix& mass) {
   const Matrix above = massMatrix<K + 1>(c, x);
   const Matrix d = coboundaryMatrix<K>(c);
-  orders->first += Matrix(d.transpose()) * Matrix(above * d);
   const Eigen::VectorXd weights = lumped<K>(c, x, mass);
   const Eigen::VectorXd known = inside<K>(c, false);
   const Matrix delta = Eigen::VectorXd(known.cwiseQuotient(weights)).asDiagonal() *
                        Matrix(Matrix(d.transpose()) * Matrix(above * d));
-  orders->second += squared(delta, weights);
+  return squared(delta, weights);
+}
+
+/// A cell's simplices of dimension K.
+template <int K>
+std::vector<Index> simplicesOf(const Complex& c, Index cell) {
+  std::vector<Index> result;
+  if constexpr (K == 1) {
+    const int count = c.isTet(cell) ? 6 : 12;
+    for (int k = 0; k < count; ++k) {
+      result.push_back(
+          (c.isTet(cell) ? c.tetEdge(cell, k) : c.octEdge(cell - c.tetCount(), k)).index());
+    }
+  } else {
+    for (int k = 0; k < c.cellFacetCount(cell); ++k) result.push_back(c.cellFacet(cell, k).index());
+  }
+  return result;
+}
+
+Vec3 centroid(const Complex& c, const Array<Vec3>& x, Index cell) {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < c.cellVertexCount(cell); ++k) sum += x[c.cellVertex(cell, k)];
+  return sum / c.cellVertexCount(cell);
+}
+
+/// |grad v|^2: across each inner facet, how far the coefficients of either cell are from those of
+/// the constant field that fits the other cell best.
+template <int K>
+Matrix gradientEnergy(const Complex& c, const Array<Vec3>& x) {
+  const Eigen::MatrixX3d measure = measures<K>(c, x);
+  const Eigen::MatrixX3d areas = measures<2>(c, x);
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> weights;
+  const auto addRows = [&](Index from, Index to, double weight) {
+    const std::vector<Index> known = simplicesOf<K>(c, from), guessed = simplicesOf<K>(c, to);
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+    for (const Index s : known) moments += measure.row(s).transpose() * measure.row(s);
+    const Eigen::Matrix3d inverse = moments.inverse();
+    for (const Index g : guessed) {
+      const int row = static_cast<int>(weights.size());
+      const double size = measure.row(g).norm();
+      entries.emplace_back(row, g, 1 / size);
+      for (const Index s : known) {
+        entries.emplace_back(row, s,
+                             -measure.row(g).dot(inverse * measure.row(s).transpose()) / size);
+      }
+      // Mean over directions of a component's square: a third of the vector's.
+      weights.push_back(3 * weight / static_cast<double>(guessed.size()));
+    }
+  };
+  for (Index f = 0; f < c.facetCount(); ++f) {
+    if (c.facetOnBoundary(f)) continue;
+    const Index a = c.facetCells[f][0].cell(), b = c.facetCells[f][1].cell();
+    const double weight = areas.row(f).norm() / (centroid(c, x, a) - centroid(c, x, b)).norm() / 2;
+    addRows(a, b, weight);
+    addRows(b, a, weight);
+  }
+  Matrix rows(static_cast<Eigen::Index>(weights.size()), c.count(K));
+  rows.setFromTriplets(entries.begin(), entries.end());
+  return squared(rows, Eigen::Map<const Eigen::VectorXd>(weights.data(), rows.rows()));
 }
 
 }  // namespace
@@ -126,13 +180,12 @@ template <int K>
 Matrix smoothnessEnergy(const Complex& c, const Array<Vec3>& x, double length, bool curl,
                         bool divergence) {
   const Matrix mass = massMatrix<K>(c, x);
-  Orders orders{Matrix(mass.rows(), mass.cols()), Matrix(mass.rows(), mass.cols())};
+  Matrix second(mass.rows(), mass.cols());
   // For a 2-form delta is the curl and d the divergence, for a 1-form the other way about.
-  if (K == 2 ? curl : divergence) addDown<K>(c, x, mass, &orders);
-  if (K == 2 ? divergence : curl) addUp<K>(c, x, mass, &orders);
+  if (K == 2 ? curl : divergence) second += downAndUp<K>(c, x, mass);
+  if (K == 2 ? divergence : curl) second += upAndDown<K>(c, x, mass);
   const double l2 = length * length;
-  return (l2 * l2 * orders.second + kLowerOrder * l2 * orders.first +
-          kLowerOrder * kLowerOrder * mass) /
+  return (l2 * l2 * second + kFirstOrder * l2 * gradientEnergy<K>(c, x) + kZerothOrder * mass) /
          volumeOf(c, x);
 }
 

@@ -10,15 +10,17 @@ namespace octet {
 /// @brief What a fit pays for bending: a quadratic form on the control coefficients of a K-form v,
 /// K = 1 or 2, from the complex's mass matrices (core/hodge/mass_matrix.h),
 ///
-///     x' E x = (1/V) [ l^4 |Laplacian v|^2 + a l^2 (|curl v|^2 + |div v|^2) + a^2 |v|^2 ],
+///     x' E x = (1/V) [ l^4 |Laplacian v|^2 + a l^2 |grad v|^2 + b |v|^2 ],
 ///
-/// squared L2 norms over the domain of volume V. The Laplacian is Hodge's, d delta + delta d, with
-/// delta = M^-1 d' M; the inverse of a mass matrix is taken as diagonal, with entries that make
-/// delta exact for constant and linear fields on symmetric stars. At the boundary, where delta
-/// would need what is beyond, nothing is charged, so constant fields are free but for the last
-/// term. In space the first term keeps point values bounded (curves and points carry none for the
-/// second alone), so what a fit gives depends on l, not on how fine the cage is. The other two, a
-/// being small, decide what the first leaves open.
+/// squared L2 norms over the domain of volume V, a = 0.1, b = 1e-6. The Laplacian is Hodge's,
+/// d delta + delta d, with delta = M^-1 d' M; the inverse of a mass matrix is taken as diagonal,
+/// with entries that make delta exact for constant and linear fields on symmetric stars. At the
+/// boundary, where delta would need what is beyond, nothing is charged. The gradient is that of all
+/// components, by differences between neighbouring cells: it needs nothing at the boundary, so that
+/// constant fields are free but for the last term. In space the first term keeps point values
+/// bounded (curves and points carry none for the second alone). It leaves harmonic fields open,
+/// whose speed grows from the guides to the boundary: those the second charges, which |curl|^2 +
+/// |div|^2 in its place would not where they are gradients. The third decides what is still open.
 ///
 /// Units: those of v squared.
 /// @param length  l in world units: details smaller than it are smoothed away

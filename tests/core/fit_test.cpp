@@ -124,6 +124,32 @@ TEST(Fit, FollowsSixCurvesInCreasedBox) {
   }
 }
 
+/// Speed does not grow from guides to walls, nor to an open boundary, where nothing else holds it.
+TEST(Fit, KeepsSpeedOfItsGuides) {
+  const ControlMesh box = mesh(unitBox(6, 0.1, 5));
+  Guides guides;
+  guides.curves = {circle("low", Vec3(0.5, 0.5, 0.3), 0.3, 1),
+                   circle("high", Vec3(0.5, 0.5, 0.7), 0.3, -1)};
+  const Refiner refiner = refine(box, 2);
+  const Limit limit(refiner);
+  for (const bool closed : {true, false}) {
+    FitOptions options;
+    options.closedWalls = closed;
+    const FitResult result = Fit(box, options).solve(guides);
+    EXPECT_LT(result.report.residual, 0.01);
+    const VectorField field =
+        makeField(refiner, limit, refiner.refine(*result.flux, result.mode), result.mode);
+    double fastest = 0;
+    for (const Vec3& p : limit.positions()) {
+      Vec3 v = Vec3::Zero();
+      field.sample(p, &v);
+      fastest = std::max(fastest, v.norm());
+    }
+    EXPECT_LT(fastest, 1.2) << (closed ? "closed" : "open");
+    EXPECT_GT(fastest, 0.95);
+  }
+}
+
 /// The report is what the baked field does: sampled along the guides it has the stated residual.
 TEST(Fit, ReportsResidualOfTheBakedField) {
   const ControlMesh box = mesh(unitBox(4, 0.1, 5));
