@@ -54,7 +54,10 @@ class Sampler {
         options_(options),
         refiner_(asset->mesh, refinerOptions()),
         limit_(refiner_) {
-    if (options_.closed) projection_.emplace(complex(), asset->mesh.positions(), fixed());
+    if (options_.closed) {
+      const Array<Vec3>& x = asset->mesh.positions();
+      projection_.emplace(complex(), x, fixedBy<K>(options_.boundary, complex(), x));
+    }
   }
 
   SampleReport run(const std::vector<std::string>& paths) {
@@ -95,11 +98,6 @@ class Sampler {
     result.zeta = options_.zeta;
     result.progress = options_.progress;
     return result;
-  }
-
-  std::vector<std::uint8_t> fixed() const {
-    return options_.boundary == BoundaryRule::Free ? std::vector<std::uint8_t>()
-                                                   : onBoundary<K>(complex());
   }
 
   /// None for a single file, which is not a sequence.
@@ -156,11 +154,13 @@ class Sampler {
   }
 
   Cochain<K> projected(Cochain<K> form) const {
-    return projection_ ? projection_->apply(form, options_.boundary == BoundaryRule::Zero) : form;
+    return projection_ ? projection_->apply(form, fixesToZero(options_.boundary)) : form;
   }
 
   VectorField limitField(const Cochain<K>& form) const {
-    const BoundaryMode mode = automaticMode(complex(), form);
+    const BoundaryMode mode = options_.closed && options_.boundary == BoundaryRule::ZeroInside
+                                  ? BoundaryMode::Walls
+                                  : automaticMode(complex(), form);
     return makeField(refiner_, limit_, refiner_.refine(form, mode), mode);
   }
 

@@ -19,7 +19,9 @@ struct SampleOptions {
   int degree = 2;                 ///< 2: fluxes through facets; 1: circulations along edges
   /// Take the nearest closed form instead: without divergence (degree 2) or curl (degree 1).
   bool closed = false;
-  BoundaryRule boundary = BoundaryRule::Free;  ///< what that does with boundary coefficients
+  /// What that does with boundary coefficients. After ZeroInside bake with BoundaryMode::Walls: the
+  /// flux through the outer boundary would make `auto` take all of it for open.
+  BoundaryRule boundary = BoundaryRule::Free;
   /// Subdivision smooths: the limit of a source's own fluxes is weaker than the source in what is
   /// as small as a cell. Each correction adds to the coefficients what the limit's fluxes lack.
   int corrections = 0;

@@ -10,6 +10,7 @@
 namespace octet {
 namespace {
 
+/// Of the normal equations, at which conjugate gradients are done.
 constexpr double kIterativeTolerance = 1e-9;
 constexpr int kMostIterations = 4000;
 
@@ -92,16 +93,17 @@ class NormalEquations {
   Vector scale_;
 };
 
-/// Applies `step` to residuals until they do not shrink any more.
+/// Applies `step` to residuals until they are at `enough` or do not shrink any more.
 template <typename Step>
-void refine(const NormalEquations& equations, const Step& step, LeastSquaresSolution* solution) {
+void refine(const NormalEquations& equations, const Step& step, double enough,
+            LeastSquaresSolution* solution) {
   const Vector zero = Vector::Zero(equations.size());
   Vector residual = equations.residual(zero);
   const double scale = equations.scale().cwiseProduct(residual).norm();
   solution->x = zero;
   solution->residual = scale > 0 ? 1 : 0;
   constexpr int kMostSteps = 4;
-  for (int k = 0; k < kMostSteps && solution->residual > 0; ++k) {
+  for (int k = 0; k < kMostSteps && solution->residual > enough; ++k) {
     const Vector next = solution->x + step(residual);
     residual = equations.residual(next);
     const double left = equations.scale().cwiseProduct(residual).norm() / scale;
@@ -134,7 +136,7 @@ LeastSquaresSolution solveDirectly(const NormalEquations& equations) {
   const auto step = [&](const Vector& r) -> Vector {
     return scale.cwiseProduct(factors.solve(scale.cwiseProduct(r)));
   };
-  refine(equations, step, &solution);
+  refine(equations, step, 0, &solution);
   return solution;
 }
 
@@ -171,7 +173,8 @@ LeastSquaresSolution solveIteratively(const NormalEquations& equations) {
   const Sparse matrix = assemble(equations);
   Eigen::ConjugateGradient<Sparse, Eigen::Lower | Eigen::Upper, Eigen::IncompleteCholesky<double>>
       gradients;
-  gradients.setTolerance(kIterativeTolerance);
+  // Half of it, as that is measured on the original rows.
+  gradients.setTolerance(kIterativeTolerance / 2);
   gradients.setMaxIterations(kMostIterations);
   gradients.compute(matrix);
   LeastSquaresSolution solution;
@@ -182,7 +185,7 @@ LeastSquaresSolution solveIteratively(const NormalEquations& equations) {
     solution.iterations += static_cast<int>(gradients.iterations());
     return scale.cwiseProduct(x);
   };
-  refine(equations, step, &solution);
+  refine(equations, step, kIterativeTolerance, &solution);
   solution.determined = solution.residual < std::sqrt(kIterativeTolerance);
   return solution;
 }

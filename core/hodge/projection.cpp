@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "projection.h"
 
+#include <numeric>
+
 #include "../base/error.h"
 #include "../forms/coboundary.h"
 #include "coboundary_matrix.h"
@@ -14,6 +16,60 @@ namespace {
 /// What is left of d w', relative to the largest coefficient, when no closed form exists; rounding
 /// is orders below.
 constexpr double kNotClosed = 1e-9;
+
+/// Connected parts of the boundary, as sets of its edges.
+class BoundaryParts {
+ public:
+  explicit BoundaryParts(const Complex& complex) : parents_(complex.edges.size()) {
+    std::iota(parents_.begin(), parents_.end(), Index{0});
+    for (Index f = 0; f < complex.facetCount(); ++f) {
+      if (!complex.facetOnBoundary(f)) continue;
+      const auto& edges = complex.facetEdges[f];
+      for (const EdgeRef& e : edges) parents_[root(e.index())] = root(edges[0].index());
+    }
+  }
+
+  /// The edge that stands for the part of edge e.
+  Index root(Index e) {
+    while (parents_[e] != e) e = parents_[e] = parents_[parents_[e]];
+    return e;
+  }
+
+ private:
+  Array<Index> parents_;
+};
+
+/// 1 for each boundary facet on a part that is turned inside out: the wall of a cavity.
+std::vector<std::uint8_t> cavityFacets(const Complex& complex, const Array<Vec3>& x) {
+  BoundaryParts parts(complex);
+  std::vector<double> volumes(complex.edges.size(), 0.0);
+  const auto part = [&](Index f) { return parts.root(complex.facetEdges[f][0].index()); };
+  for (Index f = 0; f < complex.facetCount(); ++f) {
+    if (!complex.facetOnBoundary(f)) continue;
+    const auto v = complex.facetVertices(f);
+    const double volume6 = x[v[0]].dot(x[v[1]].cross(x[v[2]]));
+    // The stored facet points out of the first of its cells.
+    volumes[part(f)] += complex.facetCells[f][0].exists() ? volume6 : -volume6;
+  }
+  std::vector<std::uint8_t> result(static_cast<std::size_t>(complex.facetCount()));
+  for (Index f = 0; f < complex.facetCount(); ++f) {
+    result[f] = complex.facetOnBoundary(f) && volumes[part(f)] < 0;
+  }
+  return result;
+}
+
+/// 1 for each k-simplex of the facets.
+template <int K>
+std::vector<std::uint8_t> ofFacets(const Complex& complex,
+                                   const std::vector<std::uint8_t>& facets) {
+  if constexpr (K == 2) return facets;
+  std::vector<std::uint8_t> result(static_cast<std::size_t>(complex.count(K)));
+  for (Index f = 0; f < complex.facetCount(); ++f) {
+    if (!facets[f]) continue;
+    for (const EdgeRef& e : complex.facetEdges[f]) result[e.index()] = 1;
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -77,11 +133,20 @@ std::vector<std::uint8_t> onBoundary(const Complex& complex) {
 }
 
 template <int K>
+std::vector<std::uint8_t> fixedBy(BoundaryRule rule, const Complex& complex,
+                                  const Array<Vec3>& positions) {
+  if (rule == BoundaryRule::Free) return {};
+  if (rule == BoundaryRule::ZeroInside) {
+    return ofFacets<K>(complex, cavityFacets(complex, positions));
+  }
+  return onBoundary<K>(complex);
+}
+
+template <int K>
 Cochain<K> nearestClosed(const Complex& complex, const Array<Vec3>& positions,
                          const Cochain<K>& form, BoundaryRule rule) {
-  const auto boundary =
-      rule == BoundaryRule::Free ? std::vector<std::uint8_t>() : onBoundary<K>(complex);
-  return ClosedProjection<K>(complex, positions, boundary).apply(form, rule == BoundaryRule::Zero);
+  return ClosedProjection<K>(complex, positions, fixedBy<K>(rule, complex, positions))
+      .apply(form, fixesToZero(rule));
 }
 
 template class ClosedProjection<1>;
@@ -89,6 +154,8 @@ template class ClosedProjection<2>;
 template std::vector<std::uint8_t> onBoundary<0>(const Complex&);
 template std::vector<std::uint8_t> onBoundary<1>(const Complex&);
 template std::vector<std::uint8_t> onBoundary<2>(const Complex&);
+template std::vector<std::uint8_t> fixedBy<1>(BoundaryRule, const Complex&, const Array<Vec3>&);
+template std::vector<std::uint8_t> fixedBy<2>(BoundaryRule, const Complex&, const Array<Vec3>&);
 template Cochain<1> nearestClosed(const Complex&, const Array<Vec3>&, const Cochain<1>&,
                                   BoundaryRule);
 template Cochain<2> nearestClosed(const Complex&, const Array<Vec3>&, const Cochain<2>&,

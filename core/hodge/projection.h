@@ -14,6 +14,8 @@ enum class BoundaryRule : std::uint8_t {
   Free,  ///< changes them like any other
   Keep,  ///< leaves them as they are
   Zero,  ///< makes them 0: nothing through the walls (2-forms), nothing along them (1-forms)
+  /// Makes them 0 on the walls of cavities, as around an obstacle in a domain with open sides.
+  ZeroInside,
 };
 
 /// @brief The closed form nearest to a given one, d w' = 0, in the norm of the mass matrix: among
@@ -46,6 +48,17 @@ class ClosedProjection {
 /// 1 for each k-simplex on the boundary.
 template <int K>
 std::vector<std::uint8_t> onBoundary(const Complex& complex);
+
+/// 1 for each k-simplex whose coefficient a rule prescribes; empty: none.
+/// @param positions  tell the walls of cavities from the outer boundary
+template <int K>
+std::vector<std::uint8_t> fixedBy(BoundaryRule rule, const Complex& complex,
+                                  const Array<Vec3>& positions);
+
+/// Whether a rule makes the coefficients 0 that it prescribes.
+inline bool fixesToZero(BoundaryRule rule) {
+  return rule == BoundaryRule::Zero || rule == BoundaryRule::ZeroInside;
+}
 
 /// ClosedProjection for one form. @throws InputError as there
 template <int K>

@@ -133,10 +133,14 @@ void addSample(CLI::App* program) {
   command->add_flag("--divergence-free", arguments->divergenceFree,
                     "Take the nearest field without divergence");
   command->add_flag("--curl-free", arguments->curlFree, "Take the nearest field without curl");
-  addChoice<BoundaryRule>(
-      command, "--boundary-flux", &options.boundary,
-      {{"free", BoundaryRule::Free}, {"keep", BoundaryRule::Keep}, {"zero", BoundaryRule::Zero}},
-      "What these do with coefficients on the boundary");
+  addChoice<BoundaryRule>(command, "--boundary-flux", &options.boundary,
+                          {{"free", BoundaryRule::Free},
+                           {"keep", BoundaryRule::Keep},
+                           {"zero", BoundaryRule::Zero},
+                           {"obstacles", BoundaryRule::ZeroInside}},
+                          "What these do with coefficients on the boundary; obstacles: 0 on the "
+                          "walls of cavities, then "
+                          "bake with --boundary walls");
   command
       ->add_option("--corrections", options.corrections,
                    "How often coefficients are corrected by what the smooth limit lacks")

@@ -4,7 +4,7 @@
 prints the table of the README: sizes, error, divergence before and after.
 
     /usr/bin/python3 samples/cache/measure.py build/release/plugin/cli/octetvdb out/cache/data out/cache \
-        [--cells 8 12 16] [--frame 20]
+        [--cells 8 12 16] [--frame 20] [--step 5]
 
 Sizes count the velocity alone: each frame's grid is written to a file of its own, in 16 bits and
 compressed as Blender does. Error and divergence are measured here, by numpy, on the voxels of one
@@ -20,9 +20,11 @@ import subprocess
 import numpy as np
 import pyopenvdb as vdb
 
-# Mantaflow's velocities are voxels per its own unit of time: 0.1 steps of 1/25 s, that is 0.4 s.
-MANTA = ["--velocity-unit", "voxels/s", "--scale", "2.5"]
-PER_SECOND = 2.5
+# Mantaflow's velocities are voxels per its own unit of time, of which a second has 2.5 times the
+# domain's time scale, whatever the frame rate (Blender's MANTA_main.cpp and fluid_script.h: a frame is
+# 0.1 * 25 / fps * time_scale of them). Scale 2 is that of make_cache.py.
+PER_SECOND = 2.5 * 2
+MANTA = ["--velocity-unit", "voxels/s", "--scale", PER_SECOND]
 
 
 def run(*command):
@@ -64,11 +66,13 @@ def main():
                         help="lattice edges along the domain")
     parser.add_argument("--corrections", type=int, nargs="+", default=[0, 4])
     parser.add_argument("--frame", type=int, help="at which to measure; the last by default")
+    parser.add_argument("--step", type=int, default=1,
+                        help="take every n-th frame alone, counted from the last")
     parser.add_argument("--pictures", action="store_true")
     options = parser.parse_args()
     octetvdb, out = options.octetvdb.resolve(), options.out
     out.mkdir(parents=True, exist_ok=True)
-    files = sorted(options.cache.glob("fluid_data_*.vdb"))
+    files = sorted(options.cache.glob("fluid_data_*.vdb"))[::-options.step][::-1]
     numbers = {int(re.search(r"(\d+)\.vdb$", f.name).group(1)): f for f in files}
     frame = options.frame or max(numbers)
     velocity_bytes = 0
@@ -126,7 +130,7 @@ def main():
               f"| {row['after']:.2g} | {row['form']:.1g} |", flush=True)
     (out / "measured.json").write_text(json.dumps(rows, indent=1))
     if options.pictures:
-        # Half of the largest speed, in m/s and in voxels per 0.4 s.
+        # Half of the largest speed, in m/s and in the cache's units.
         top = float(np.abs(before).max()) / 2
         middle = (box[1] + box[4]) / 2
         for name, file, scale in (("cache", out / f"velocity.{frame:04d}.vdb", voxel * PER_SECOND),

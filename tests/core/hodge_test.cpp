@@ -207,6 +207,33 @@ TEST_P(HodgeOn, ProjectionKeepsTheBoundary) {
   }
 }
 
+/// A block with a hole in its middle: nothing passes the hole's walls, but the outer boundary.
+TEST(ClosedProjection, ClosesTheWallsOfCavitiesAlone) {
+  const auto inside = [](int i, int j, int k) {
+    const int most = std::max({std::abs(i), std::abs(j), std::abs(k)});
+    return most <= 4 && most >= 2;
+  };
+  const ControlMesh mesh = ControlMesh::build(testing::latticeBlock(inside, 5));
+  const Complex& c = *mesh.complex();
+  const auto& x = mesh.positions();
+  const auto flux = nearestClosed(c, x, randomForm<2>(c, 12), BoundaryRule::ZeroInside);
+  expectClosed(c, flux);
+  const auto along = nearestClosed(c, x, randomForm<1>(c, 13), BoundaryRule::ZeroInside);
+  expectClosed(c, along);
+  int outer = 0, inner = 0;
+  for (Index f = 0; f < c.facetCount(); ++f) {
+    if (!c.facetOnBoundary(f)) continue;
+    double reach = 0;
+    for (const Index v : c.facetVertices(f)) reach = std::max(reach, x[v].norm());
+    const bool onHole = reach < 3.6;  // its farthest corner is at 2 sqrt(3), outer facets from 4 on
+    ASSERT_EQ(flux[f] == 0, onHole);
+    for (const EdgeRef& e : c.facetEdges[f]) ASSERT_EQ(along[e.index()] == 0, onHole);
+    ++(onHole ? inner : outer);
+  }
+  EXPECT_GT(inner, 0);
+  EXPECT_GT(outer, inner);
+}
+
 TEST(ClosedProjection, RefusesANetFluxThroughAKeptBoundary) {
   const ControlMesh mesh = ControlMesh::build(testing::randomBall(50, 4));
   const Complex& c = *mesh.complex();

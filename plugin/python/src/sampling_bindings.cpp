@@ -34,9 +34,11 @@ py::tuple sample(const ControlAsset& asset, const std::vector<std::string>& path
   options.name = name;
   options.degree = degree;
   options.closed = closed;
-  options.boundary = choose<BoundaryRule>(
-      "boundary_flux", boundary,
-      {{"free", BoundaryRule::Free}, {"keep", BoundaryRule::Keep}, {"zero", BoundaryRule::Zero}});
+  options.boundary = choose<BoundaryRule>("boundary_flux", boundary,
+                                          {{"free", BoundaryRule::Free},
+                                           {"keep", BoundaryRule::Keep},
+                                           {"zero", BoundaryRule::Zero},
+                                           {"obstacles", BoundaryRule::ZeroInside}});
   options.read.grid = grid;
   readUnit(unit, &options.read);
   options.read.framesPerSecond = asset.units.framesPerSecond;
@@ -84,7 +86,8 @@ paths:         one file for a constant form, several, numbered, for an animated 
 name:          of the form; replaces one of that name
 degree:        2: fluxes through facets; 1: circulations along edges
 closed:        take the nearest form without divergence (degree 2) or curl (1)
-boundary_flux: "free", "keep" or "zero": what that does with boundary coefficients
+boundary_flux: "free", "keep", "zero" or "obstacles": what that does with boundary coefficients;
+    "obstacles" makes those of cavities' walls 0, bake then with boundary="walls"
 grid:          name of the vector grid or float triple; found by itself by default
 velocity_unit: "units/s", "units/frame", "voxels/s" or "voxels/frame"
 scale:         factor for the grid's numbers
