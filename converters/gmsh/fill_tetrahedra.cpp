@@ -109,6 +109,7 @@ class TetrahedraFill {
           place("triangles", crossing->triangle),
           "the surface intersects itself: meets " + place("triangles", crossing->other));
     }
+    if (!options_.keepTriangles) given_ = withoutSlivers(given_);
     const std::vector<SurfacePart> parts = surfaceParts(given_);
     report_.bodyVolume = volumeOf(parts);
     for (const SurfacePart& part : parts) ++(part.depth % 2 ? report_.cavities : report_.bodies);

@@ -23,6 +23,9 @@ constexpr double kDeviation = 0.2;
 /// Neighbours of a vertex in the triangular lattice.
 constexpr int kRegularValence = 6;
 
+/// Triangles less high than this times their longest edge are slivers.
+constexpr double kSliver = 1e-6;
+
 enum class Kind : std::uint8_t { Smooth, Crease, Corner };
 
 class Remesher {
@@ -276,6 +279,37 @@ class Remesher {
 
 RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options) {
   return Remesher(surface, options).run();
+}
+
+TriangleSurface withoutSlivers(const TriangleSurface& surface) {
+  constexpr int kSweeps = 10;
+  HalfEdges mesh(surface, {});
+  const std::vector<Vec3> x(surface.vertices.begin(), surface.vertices.end());
+  const auto vector = [&](Index h) -> Vec3 { return x[mesh.to(h)] - x[mesh.from(h)]; };
+  bool any = true;
+  for (int sweep = 0; any && sweep < kSweeps; ++sweep) {
+    any = false;
+    for (Index t = 0; t < mesh.count(); t += 3) {
+      if (!mesh.alive(t)) continue;
+      const auto shorter = [&](Index h, Index g) { return vector(h).norm() < vector(g).norm(); };
+      const Index sides[3] = {t, t + 1, t + 2};
+      const Index longest = *std::max_element(sides, sides + 3, shorter);
+      const Index shortest = *std::min_element(sides, sides + 3, shorter);
+      const double length = vector(longest).norm();
+      const double area = vector(longest).cross(vector(mesh.next(longest))).norm();
+      if (area >= kSliver * length * length) continue;
+      if (vector(shortest).norm() < kSliver * length) {
+        if (!mesh.canCollapse(shortest)) continue;
+        mesh.collapse(shortest);
+      } else {
+        if (!mesh.canFlip(longest)) continue;
+        mesh.flip(longest);
+      }
+      any = true;
+    }
+  }
+  std::vector<std::array<Index, 2>> ignored;
+  return mesh.surface(x, &ignored);
 }
 
 }  // namespace octet

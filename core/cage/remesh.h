@@ -31,4 +31,10 @@ struct RemeshedSurface {
 /// itself, and one-sided surfaces; Cancelled
 RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options);
 
+/// @brief The surface without triangles so flat that their normals, and with these the sharp edges
+/// at them, are rounding, such as CAD programs write: edges of no length are collapsed, and long
+/// edges that run past a vertex turned. No vertex moves. Where that is not possible triangles stay.
+/// @throws InputError as remesh
+TriangleSurface withoutSlivers(const TriangleSurface& surface);
+
 }  // namespace octet

@@ -173,6 +173,36 @@ TEST(Remesh, RefusesWhatIsNoManifold) {
   refused(bottle, "one-sided");
 }
 
+/// A vertex on an edge of the cube that only one of the faces there knows of: between them lies a
+/// triangle without height, or of a height that is rounding.
+TEST(Remesh, SliversHideNoSharpEdge) {
+  for (const double height : {0.0, 1e-9}) {
+    TriangleSurface surface = cube();
+    surface.vertices.push_back(Vec3(0.4, height, 0));  // on (0, 1), which two triangles share
+    const Index m = 8;
+    const auto has = [](const std::array<Index, 3>& t, Index v) {
+      return std::find(t.begin(), t.end(), v) != t.end();
+    };
+    const auto at = std::find_if(surface.triangles.begin(), surface.triangles.end(),
+                                 [&](const auto& t) { return has(t, 0) && has(t, 1); });
+    std::array<Index, 3> first = *at, second = *at;
+    std::replace(first.begin(), first.end(), Index{1}, m);
+    std::replace(second.begin(), second.end(), Index{0}, m);
+    *at = first;
+    surface.triangles.push_back(second);
+    surface.triangles.push_back({0, 1, m});
+    EXPECT_NO_THROW(checkClosed(surface));
+    const TriangleSurface mended = withoutSlivers(surface);
+    EXPECT_EQ(mended.triangles.size(), 14u);
+    const SharpEdges sharp = findSharpEdges(mended);
+    double length = 0;
+    for (const auto& [a, b] : sharp.edges)
+      length += (mended.vertices[b] - mended.vertices[a]).norm();
+    EXPECT_NEAR(length, 12, 1e-8);
+    EXPECT_EQ(sharp.corners.size(), 8u);
+  }
+}
+
 TEST(SharpEdges, OfACubeAreTwelveChainsBetweenEightCorners) {
   for (const bool reversed : {false, true}) {
     TriangleSurface surface = cube();
