@@ -144,8 +144,8 @@ VdbGridInfo FormBaker::addFlux(Job job, const Cochain<2>& control, const Cochain
   Cochain<2> finest = refiner_->refine(control, job.mode);
   const std::string worse = whyMeansAreWorse();
   if (!mayConserve() || !worse.empty()) {
-    job.say(planner_.describeOpenness(control));
-    if (mayConserve() && job.note.empty()) job.say(worse);
+    const std::string open = planner_.describeOpenness(control);
+    job.say(open.empty() && mayConserve() ? worse : open);
     return addRefined<2>(job, std::move(finest));
   }
   const VelocityPlan plan = planner_.plan(control, given);

@@ -292,10 +292,11 @@ void rasterizePatches(const PotentialField& field, const GridFrame& frame,
   reportProgress(progress, {stage, blocks.blockCount(), blocks.blockCount(), "blocks"});
 }
 
-/// Second moments along one axis, to first order in the spread they stand for: of the limit on the
-/// lattice, in edges squared (the mask of scheme.md section 5: 12 neighbours of weight 19/387 at
-/// distance 1, 6 of 5/774 at sqrt 2, a third of it along each axis, halved), and of the mean over a
-/// square, in voxels squared (2/15 in the mean over all directions that a flow can vary in).
+/// How much of its Laplacian is added to a velocity. By the limit on the lattice, times the edge
+/// squared: a sixth of its mask's second moment (scheme.md section 5: 12 neighbours of weight
+/// 19/387 at distance 1, 6 of 5/774 at sqrt 2). By the mean over a square of 2 x 2 voxels, times
+/// the voxel squared: v_x gains (v_x,yy + v_x,zz) / 6 and so on, which is nearest to 2/15 of the
+/// Laplacian in the mean over plane waves of all directions without divergence.
 constexpr double kLimitSpread = (12 * 19.0 / 387 + 6 * 2 * 5.0 / 774) / 6;
 constexpr double kSquareSpread = 2.0 / 15;
 /// Of the difference this part is made up for, which was measured to be best.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How near grids made of circulations come to the limit of refinement, beside samples, against
-// three levels deeper; Markdown tables: conservation [LEVELS]
-// Errors are relative to the largest speed, over voxels whose whole stencil lies inside.
+// How near grids made of circulations come to the limit of refinement, three levels deeper; errors
+// in % of the largest speed, as Markdown tables: conservation collocated|staggered [LEVELS]
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -28,49 +27,6 @@ constexpr int kQuadrature = 8;
 
 using Ijk = std::array<std::int32_t, 3>;
 using Values = std::map<Ijk, Vec3>;
-
-/// The curl of a potential field, exactly: linear in each of its pieces.
-class CurlSource : public PieceSource<3> {
- public:
-  CurlSource(const PotentialField& field, std::shared_ptr<const Complex> complex)
-      : PieceSource<3>(std::move(complex), field.positions()), field_(field) {}
-
-  void visitPieces(Index cell, const Filter& wanted, const Sink& sink) const override {
-    field_.visitPieces(cell, [&](const PotentialPiece& piece) {
-      Piece<3> curl;
-      curl.points = piece.points;
-      if (!wanted(curl.box())) return;
-      const Barycentric lambda(piece.points);
-      if (!lambda.finite()) return;
-      for (int corner = 0; corner < 4; ++corner) {
-        curl.values[corner] = curlAt(piece, lambda.gradients, corner);
-      }
-      sink(curl);
-    });
-  }
-
- private:
-  /// With W_ij = l_i g_j - l_j g_i: curl W_ij = 2 g_i x g_j, curl (l W) = g x W + l curl W.
-  static Vec3 curlAt(const PotentialPiece& piece, const std::array<Vec3, 4>& g, int corner) {
-    const auto l = [corner](int i) { return i == corner ? 1.0 : 0.0; };
-    Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < 6; ++k) {
-      const int i = Tetrahedron::edges[k][0], j = Tetrahedron::edges[k][1];
-      sum += 2 * piece.edges[k] * g[i].cross(g[j]);
-    }
-    for (int f = 0; f < 4; ++f) {
-      const auto& t = Tetrahedron::facets[f];
-      for (int k = 0; k < 3; ++k) {
-        const int x = t[k], y = t[(k + 1) % 3], z = t[(k + 2) % 3];
-        const Vec3 whitney = l(y) * g[z] - l(z) * g[y];
-        sum += piece.facets[f][k] * (g[x].cross(whitney) + 2 * l(x) * g[y].cross(g[z]));
-      }
-    }
-    return sum;
-  }
-
-  const PotentialField& field_;
-};
 
 /// Operators of a level, for all forms on it.
 struct Level {
@@ -153,47 +109,36 @@ Values samples(const PieceSource<3>& source, const GridFrame& frame, Sampling sa
   return voxels([&](const auto& sink) { rasterize<3>(source, frame, sampling, sink); });
 }
 
-double largest(const Values& values) {
-  double result = 0;
-  for (const auto& [ijk, value] : values) result = std::max(result, value.norm());
-  return result;
-}
-
 struct Error {
   double rms = 0, most = 0;
 };
 
-/// Over the voxels of `where`.
+/// Over the voxels of `where`, relative to the largest speed there.
 Error error(const Values& values, const Values& truth, const Values& where) {
-  Error result;
-  double sum = 0;
+  double sum = 0, most = 0, speed = 0;
   std::size_t n = 0;
   for (const auto& [ijk, ignored] : where) {
     const auto value = values.find(ijk), exact = truth.find(ijk);
     if (value == values.end() || exact == truth.end()) continue;
     const double difference = (value->second - exact->second).norm();
     sum += difference * difference;
-    result.most = std::max(result.most, difference);
+    most = std::max(most, difference);
+    speed = std::max(speed, exact->second.norm());
     ++n;
   }
-  const double scale = 100 / largest(truth);
-  return {scale * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(n, 1))),
-          scale * result.most};
+  const double scale = speed > 0 ? 100 / speed : 0;
+  return {scale * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(n, 1))), scale * most};
 }
 
-/// Voxels with active ones two away in all six directions.
-Values inner(const Values& values) {
+/// Voxels in the middle of the domain: farther than kMiddle of its size from the centre in no
+/// direction.
+Values inMiddle(const Values& values, const Box& box, const GridFrame& frame) {
+  constexpr double kMiddle = 0.3;
+  const Vec3 centre = (box.min + box.max) / 2, reach = kMiddle * box.size();
   Values result;
   for (const auto& [ijk, value] : values) {
-    bool inside = true;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const int step : {-2, 2}) {
-        Ijk other = ijk;
-        other[axis] += step;
-        inside = inside && values.count(other) != 0;
-      }
-    }
-    if (inside) result.emplace(ijk, value);
+    const Vec3 place = frame.origin + frame.voxelSize * Vec3(ijk[0], ijk[1], ijk[2]);
+    if (((place - centre).cwiseAbs() - reach).maxCoeff() <= 0) result.emplace(ijk, value);
   }
   return result;
 }
@@ -209,14 +154,16 @@ GridFrame frameOf(const Level& level, double voxelsPerEdge) {
 constexpr double kCollocatedRatios[] = {0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.85, 1.0};
 constexpr double kStaggeredRatios[] = {2.0, 1.0, 0.5, 0.25};
 
-void printHeader(const char* title, const double* ratios, std::size_t count) {
+template <std::size_t N>
+void printHeader(const char* title, const double (&ratios)[N]) {
   std::printf("%s\n| mesh | flow |", title);
-  for (std::size_t k = 0; k < count; ++k) std::printf(" h/edge %.2g |", ratios[k]);
+  for (const double ratio : ratios) std::printf(" h/edge %.2g |", ratio);
   std::printf("\n|---|---|");
-  for (std::size_t k = 0; k < count; ++k) std::printf("---|");
+  for (std::size_t k = 0; k < N; ++k) std::printf("---|");
   std::printf("\n");
 }
 
+/// Over voxels that circulations can be had for.
 void collocated(const char* mesh, const Flow& flow, const Level& level, const Level& deep) {
   const VectorField sampled = flow.limitOn(level), reference = flow.limitOn(deep);
   const PotentialField potential = flow.potentialOn(level);
@@ -236,25 +183,24 @@ void collocated(const char* mesh, const Flow& flow, const Level& level, const Le
   std::fflush(stdout);
 }
 
-/// A row of the second table.
-std::string staggered(const char* mesh, const Flow& flow, const Level& level, const Level& deep) {
+/// In the middle, where no boundary is near; of the reference's own level, whose cells are small
+/// beside voxels, and of the level.
+void staggered(const char* mesh, const Flow& flow, const Level& level, const Level& deep) {
   const VectorField reference = flow.limitOn(deep);
-  const PotentialField potential = flow.potentialOn(level);
-  const CurlSource exact(potential, level.complex());
-  std::string row = "| " + std::string(mesh) + " | " + flow.name + " |";
+  const PotentialField potential = flow.potentialOn(level), deepPotential = flow.potentialOn(deep);
+  std::printf("| %s | %s |", mesh, flow.name);
   for (const double ratio : kStaggeredRatios) {
     const GridFrame frame = frameOf(level, ratio);
-    const Values fluxes =
-        voxels([&](const auto& sink) { rasterizeFluxes(potential, frame, sink); });
-    const Values ofLevel = samples(exact, frame, Sampling::Staggered);
     const Values truth = samples(reference.source(), frame, Sampling::Staggered);
-    const Values where = inner(truth);
-    char cell[64];
-    std::snprintf(cell, sizeof cell, " %.2g, %.2g, %.2g |", error(fluxes, ofLevel, where).rms,
-                  error(ofLevel, truth, where).rms, error(fluxes, truth, where).rms);
-    row += cell;
+    const Values where = inMiddle(truth, reference.bounds(), frame);
+    const auto errorOf = [&](const PotentialField& field) {
+      const Values fluxes = voxels([&](const auto& sink) { rasterizeFluxes(field, frame, sink); });
+      return error(fluxes, truth, where).rms;
+    };
+    std::printf(" %.2g, %.2g |", errorOf(deepPotential), errorOf(potential));
   }
-  return row + "\n";
+  std::printf("\n");
+  std::fflush(stdout);
 }
 
 struct Mesh {
@@ -270,38 +216,39 @@ std::vector<Mesh> meshes() {
           {"box", ControlMesh::build(testing::creasedBox(2, 0.12, 4))}};
 }
 
-void run(int levels) {
-  std::printf("Level %d; errors in %% of the largest speed\n\n", levels);
-  printHeader("Collocated: rms of samples/circulations, then the largest of both",
-              kCollocatedRatios, std::size(kCollocatedRatios));
-  std::string rows;
+void run(bool ofCollocated, int levels) {
+  if (ofCollocated) {
+    printHeader("Root mean square of samples/circulations, then the largest of both",
+                kCollocatedRatios);
+  } else {
+    printHeader("Root mean square of the grid alone, then of the grid and its level",
+                kStaggeredRatios);
+  }
   for (const Mesh& m : meshes()) {
     const Level level(m.mesh, levels), deep(m.mesh, levels + kDeeper);
     for (const Flow& flow : flowsOn(m.mesh)) {
-      collocated(m.name, flow, level, deep);
-      rows += staggered(m.name, flow, level, deep);
+      (ofCollocated ? collocated : staggered)(m.name, flow, level, deep);
     }
   }
-  std::printf("\n");
-  printHeader("Staggered: rms of the grid, of the level, of both together", kStaggeredRatios,
-              std::size(kStaggeredRatios));
-  std::printf("%s", rows.c_str());
 }
 
 }  // namespace
 }  // namespace octet::bench
 
 int main(int argc, char** argv) try {
+  const std::string table = argc > 1 ? argv[1] : "";
   int levels = 2;
-  if (argc > 1) {
-    const char* const end = argv[1] + std::strlen(argv[1]);
-    const auto [last, status] = std::from_chars(argv[1], end, levels);
-    if (status != std::errc() || last != end || levels < 0 || levels > 3) {
-      std::fprintf(stderr, "usage: conservation [LEVELS], 0 to 3\n");
-      return 2;
-    }
+  bool understood = argc <= 3 && (table == "collocated" || table == "staggered");
+  if (argc == 3) {
+    const char* const end = argv[2] + std::strlen(argv[2]);
+    const auto [last, status] = std::from_chars(argv[2], end, levels);
+    understood = understood && status == std::errc() && last == end && levels >= 0 && levels <= 3;
   }
-  octet::bench::run(levels);
+  if (!understood) {
+    std::fprintf(stderr, "usage: conservation collocated|staggered [LEVELS], 0 to 3\n");
+    return 2;
+  }
+  octet::bench::run(table == "collocated", levels);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "conservation: %s\n", error.what());
   return 1;
