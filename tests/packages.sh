@@ -25,5 +25,7 @@ TEST_PACKAGES=(python3 git libgtest-dev libbenchmark-dev libosd-dev python3-open
 BUILD_PACKAGES+=(pybind11-dev python3-dev)
 TEST_PACKAGES+=(python3-pytest python3-meshio blender xvfb xauth)
 TEST_PACKAGES+=(libtinyexr-dev openimageio-tools)
+# What the build with sanitizers needs: Clang, as GCC takes twice as long for it.
+SANITIZER_PACKAGES=(clang libclang-rt-dev)
 # What the benchmarks and the comparison with VTK need besides the build.
 BENCH_PACKAGES=(libbenchmark-dev python3-numpy python3-vtk9)

@@ -8,6 +8,7 @@ cd "$(dirname "$0")/.."
 . tests/packages.sh
 install_packages "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
 if [ "${1:-}" = --sanitizers ]; then
+  install_packages "${SANITIZER_PACKAGES[@]}"
   cmake --preset asan >/dev/null
   cmake --build --preset asan --target octetvdb fuzz_replay
   exec ctest --preset asan -L robustness

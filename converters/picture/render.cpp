@@ -5,10 +5,11 @@
 #include <cmath>
 #include <memory>
 
-#include <embree3/rtcore.h>
 #include <tbb/task_arena.h>
 
 #include <octet/core/base/parallel.h>
+
+#include "embree.h"
 
 namespace octet {
 namespace {
@@ -55,7 +56,7 @@ void store(const Vec3& v, float* out) {
 Vec3 load(const float* v) { return {v[0], v[1], v[2]}; }
 
 /// Hits of a ray on the transparent surface, all of them.
-struct Layers : RTCIntersectContext {
+struct Layers : RayContext {
   struct Layer {
     float t, u, v;
     unsigned triangle;
@@ -97,9 +98,8 @@ class Tracer {
   /// Light along a ray, premultiplied, and how much it covers.
   Eigen::Array4f trace(const Vec3& from, const Vec3& direction, const View& view) const {
     RTCRayHit ray = makeRay(from, direction, 0, HUGE_VALF);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(solid_.get(), &context, &ray);
+    RayContext context;
+    intersect(solid_.get(), &context, &ray);
     Eigen::Array4f light = Eigen::Array4f::Zero();
     float left = 1;
     addGlass(from, direction, ray.ray.tfar, view, &light, &left);
@@ -282,9 +282,7 @@ class Tracer {
       const double radius = std::sqrt(1 - height * height);
       const Vec3 d = height * normal + radius * (std::cos(angle) * side + std::sin(angle) * other);
       RTCRayHit ray = makeRay(at + kOffset * normal, d, kOffset, kAmbientReach);
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcOccluded1(solid_.get(), &context, &ray.ray);
+      occluded(solid_.get(), &ray.ray);
       hits += ray.ray.tfar < 0 ? 1 : 0;
     }
     return 0.6 * hits / kAmbientRays;
@@ -295,9 +293,8 @@ class Tracer {
                 Eigen::Array4f* light, float* left) const {
     if (!(scene_.surface.opacity < 1) || scene_.surface.triangles.empty()) return;
     Layers found;
-    rtcInitIntersectContext(&found);
     RTCRayHit ray = makeRay(from, direction, 0, far);
-    rtcIntersect1(glass_.get(), &found, &ray);
+    intersect(glass_.get(), &found, &ray);
     const auto end = found.layers.begin() + found.count;
     std::sort(found.layers.begin(), end, [](const Layers::Layer& a, const Layers::Layer& b) {
       return std::pair(a.t, a.triangle) < std::pair(b.t, b.triangle);
