@@ -7,6 +7,7 @@
 #include <set>
 
 #include "../base/parallel.h"
+#include "voids.h"
 
 namespace octet {
 namespace {
@@ -107,6 +108,7 @@ class Extension::Builder {
     }
     build<1>();
     build<2>();
+    unwind();
     build<3>();
     for (int k = 0; k < 4; ++k) keep(k);
   }
@@ -150,14 +152,45 @@ class Extension::Builder {
     out_.exact_ = out_.exact_ && exact;
   }
 
+  /// What the boundary of a virtual simplex' chain has to be.
+  template <int K>
+  std::map<Index, double> wantedBoundary(Index simplex) {
+    std::map<Index, double> result;
+    for (const auto& [face, sign] : boundaryOf<K>(e_, simplex)) {
+      for (const auto& [s, w] : chainOf<K - 1>(face)) result[s] += sign * w;
+    }
+    return result;
+  }
+
+  /// Facets chose their chains each for itself. Around a cell these may wind around a void of the
+  /// mesh, and then bound nothing; cells hand on such windings until they are outside.
+  void unwind() {
+    const Voids voids(c_, e_, out_.embedding_[3]);
+    if (voids.count() == 0) return;
+    for (const auto& [cell, facet] : voids.exits()) {
+      const auto windings = voids.windings(wantedBoundary<3>(cell));
+      std::map<Index, double> chain(chainOf<2>(facet).begin(), chainOf<2>(facet).end());
+      for (int k = 0; k < voids.count(); ++k) {
+        const double winding = windings[static_cast<std::size_t>(k)];
+        if (std::abs(winding) < kNoWeight) continue;
+        for (const auto& [f, w] : voids.surface(k)) chain[f] -= signIn(cell, facet) * winding * w;
+      }
+      chainOf<2>(facet).assign(chain.begin(), chain.end());
+    }
+  }
+
+  /// +1 when a facet points out of a cell of the expanded mesh.
+  double signIn(Index cell, Index facet) const {
+    for (const auto& [f, sign] : boundaryOf<3>(e_, cell)) {
+      if (f == facet) return sign;
+    }
+    return 0;
+  }
+
   /// false when there is no chain with the boundary that is asked for.
   template <int K>
   bool buildChain(Index simplex) {
-    // What its boundary has to be, on real simplices.
-    std::map<Index, double> wanted;
-    for (const auto& [face, sign] : boundaryOf<K>(e_, simplex)) {
-      for (const auto& [s, w] : chainOf<K - 1>(face)) wanted[s] += sign * w;
-    }
+    const std::map<Index, double> wanted = wantedBoundary<K>(simplex);
     const SparseChain guess = copies<K>(simplex);
     std::set<Index> around;
     for (const auto& [s, w] : wanted) {

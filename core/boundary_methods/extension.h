@@ -15,10 +15,12 @@ namespace octet {
 /// so that continuing commutes with d: what is curl-free or divergence-free stays so. Constant
 /// gradients and fluxes are continued exactly, on every mesh. Of all such chains it is the one
 /// nearest to the copy, on a lattice the mean of the nearest parallel simplices, elsewhere nothing.
+/// Around a void of the mesh a cell's facets have to agree on more than their boundaries (voids.h).
 ///
-/// @note Where a virtual layer fills a gap in the mesh narrower than a cell, a form that circulates
-///       around the gap has no closed continuation; `exact()` is then false and the nearest one is
-///       taken.
+/// @note Where a virtual layer fills a gap of the mesh, as cells of the lattice do in a gap one
+/// cell
+///       wide, a form that circulates around the gap or flows out of it has no closed continuation;
+///       `exact()` is then false and the nearest one is taken.
 class Extension {
  public:
   /// @param expanded  built from the layer's mesh

@@ -19,6 +19,7 @@ class MethodRefiner::Rules {
   virtual Cochain<1> refine(const Cochain<1>& form, int level) const = 0;
   virtual Cochain<2> refine(const Cochain<2>& form, int level) const = 0;
   virtual Cochain<3> refine(const Cochain<3>& form, int level) const = 0;
+  virtual bool commutes() const { return false; }
   virtual const Array<Vec3>& fieldPositions() const { return positions(levels()); }
   /// Limit vectors or values at the finest vertices, where the method has them.
   virtual bool hasLimit() const { return false; }
@@ -134,6 +135,7 @@ class MethodRefiner::ExpandingRules : public Rules {
   Cochain<2> refine(const Cochain<2>& form, int level) const override { return own(form, level); }
   Cochain<3> refine(const Cochain<3>& form, int level) const override { return own(form, level); }
 
+  bool commutes() const override { return extension_.exact(); }
   const Array<Vec3>& fieldPositions() const override { return limitPositions_; }
   bool hasLimit() const override { return true; }
   Array<double> values(const Cochain<0>& form) const override {
@@ -193,6 +195,7 @@ MethodRefiner& MethodRefiner::operator=(MethodRefiner&&) noexcept = default;
 
 int MethodRefiner::levels() const { return rules_->levels(); }
 BoundaryMethod MethodRefiner::method() const { return rules_->method; }
+bool MethodRefiner::commutes() const { return rules_->commutes(); }
 const Complex& MethodRefiner::complex(int level) const { return *sharedComplex(level); }
 std::shared_ptr<const Complex> MethodRefiner::sharedComplex(int level) const {
   return rules_->complexes.at(static_cast<std::size_t>(level));

@@ -32,10 +32,10 @@ enum class BoundaryMethod : std::uint8_t {
 ///   simplex takes the mean over its boundary vertices. Scaling: a boundary vertex does not move
 ///   along the normals of its facets, and potentials change along by their own slope. d does not
 ///   commute at the boundary: what is not d of a quadratic there is lost.
-/// - Expansion: constants exactly, and d commutes up to fluxes, so that what is curl-free or
-///   incompressible stays so; densities of irregular meshes are continued approximately
-///   (extension.h, virtual_layer.h). On a lattice block everything is the scheme on the infinite
-///   lattice.
+/// - Expansion: constants exactly, and d commutes with all degrees, so that what is curl-free or
+///   incompressible stays so, unless `commutes()` denies it (extension.h, virtual_layer.h). On a
+///   lattice block everything is the scheme on the infinite lattice. A constant density is kept on
+///   lattice blocks; elsewhere it changes next to the boundary.
 ///
 /// Const members are thread safe.
 class MethodRefiner {
@@ -49,6 +49,9 @@ class MethodRefiner {
 
   int levels() const;
   BoundaryMethod method() const;
+  /// Whether refining commutes with d on the whole mesh: with Expansion, unless the mesh has a gap
+  /// that its virtual layer fills; with the others never.
+  bool commutes() const;
   /// Topology of a level, the same as Refiner's.
   const Complex& complex(int level) const;
   std::shared_ptr<const Complex> sharedComplex(int level) const;
