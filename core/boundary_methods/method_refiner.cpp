@@ -5,6 +5,7 @@
 #include "../field/whitney.h"
 #include "../topology/split.h"
 #include "extension.h"
+#include "inner_patch_test.h"
 #include "layer_projection.h"
 #include "real_part.h"
 
@@ -48,6 +49,8 @@ class MethodRefiner::ShrinkingRules : public Rules {
     for (int k = 0; k < refiner_.levels(); ++k) {
       layers_.push_back(std::make_unique<LayerProjection>(refiner_, k, positions_.back()));
       positions_.push_back(layers_.back()->finePositions());
+      patchTests_.emplace_back(refiner_, k, positions_[static_cast<std::size_t>(k)],
+                               positions_.back());
     }
   }
 
@@ -74,7 +77,9 @@ class MethodRefiner::ShrinkingRules : public Rules {
       if (method == BoundaryMethod::Simple) {
         clearBoundary(level + 1, &fine);
       } else if (!layers_.empty()) {
-        const LayerProjection& layer = *layers_[static_cast<std::size_t>(level)];
+        const auto step = static_cast<std::size_t>(level);
+        const LayerProjection& layer = *layers_[step];
+        if constexpr (K == 2) patchTests_[step].correct(form, &fine);
         if constexpr (K == 0) layer.correct(form, &fine);
         if constexpr (K == 1 || K == 2) layer.replace(form, &fine);
       }
@@ -95,6 +100,7 @@ class MethodRefiner::ShrinkingRules : public Rules {
 
   Refiner refiner_;
   std::vector<std::unique_ptr<LayerProjection>> layers_;
+  std::vector<InnerPatchTest> patchTests_;
   std::vector<Array<Vec3>> positions_;
 };
 

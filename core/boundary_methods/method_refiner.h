@@ -24,14 +24,14 @@ enum class BoundaryMethod : std::uint8_t {
 /// `exactly` for to rounding:
 /// - Simple: degree 0 refines exactly linear functions of position, forms lose their boundary; d
 ///   does not commute there. In the interior it is the scheme without its patch test.
-/// - Projection: constant circulations exactly, constant fluxes where the mesh inside is a lattice
-///   (elsewhere the scheme lacks its patch test here). The fit is made on the cells around a
-///   boundary vertex, constants first, then what is left by d of quadratic potentials
-///   (circulations) or d(linear) ^ d(quadratic) (fluxes), if the layer has twice as many
-///   coefficients. Potentials are subdivided, as numbers at vertices, by the rule of degree 0; a
-///   simplex takes the mean over its boundary vertices. Scaling: a boundary vertex does not move
-///   along the normals of its facets, and potentials change along by their own slope. d does not
-///   commute at the boundary: what is not d of a quadratic there is lost.
+/// - Projection: constants exactly. Inside, constant fluxes are exact by the patch test
+///   (inner_patch_test.h). At the boundary a fit is made on the cells around a boundary vertex,
+///   constants first, then what is left by d of quadratic potentials (circulations) or d(linear) ^
+///   d(quadratic) (fluxes), if the layer has twice as many coefficients. Potentials are subdivided,
+///   as numbers at vertices, by the rule of degree 0; a simplex takes the mean over its boundary
+///   vertices. Scaling: a boundary vertex does not move along the normals of its facets, and
+///   potentials change along by their own slope. d does not commute at the boundary: what is not d
+///   of a quadratic there is lost.
 /// - Expansion: constants exactly, and d commutes with all degrees, so that what is curl-free or
 ///   incompressible stays so, unless `commutes()` denies it (extension.h, virtual_layer.h). On a
 ///   lattice block everything is the scheme on the infinite lattice. A constant density is kept on
