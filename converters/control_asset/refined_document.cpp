@@ -2,6 +2,7 @@
 #include "refined_document.h"
 
 #include <octet/core/base/error.h>
+#include <octet/core/boundary_methods/extension.h>
 
 #include "document.h"
 
@@ -85,11 +86,15 @@ std::size_t entryCount(const ControlAsset& asset, const Complex& c) {
 /// `valuesOf(form)` are dense coefficients on the finest level, `complex`.
 template <typename Values>
 void writeDocument(const ControlAsset& asset, const Complex& complex, const Array<Vec3>& positions,
-                   const Values& valuesOf, const std::string& path,
+                   const std::string& note, const Values& valuesOf, const std::string& path,
                    const ProgressCallback& progress) {
   ReportingWriter writer(path, entryCount(asset, complex), progress);
   DocumentWriter& out = writer.out;
-  out.beginObject(6);
+  out.beginObject(note.empty() ? 6 : 7);
+  if (!note.empty()) {
+    out.key("note");
+    out.value(note);
+  }
   writer.table("vertices", positions);
   writer.table("edges", complex.edges);
   writer.array("facets", static_cast<std::size_t>(complex.facetCount()),
@@ -146,6 +151,21 @@ const char* boundaryName(BoundaryChoice choice) {
   return kNames[static_cast<int>(choice)];
 }
 
+std::string methodNote(const MethodRefiner& refiner) {
+  if (refiner.commutes()) return "";
+  switch (refiner.method()) {
+    case BoundaryMethod::Simple:
+      return "simple: coefficients on the boundary are 0, so there is divergence and curl that the "
+             "form does not have";
+    case BoundaryMethod::Projection:
+      return "projection: coefficients at the boundary are fitted, so there is divergence and curl "
+             "that the form does not have";
+    default:
+      return "expansion: its virtual layer fills a gap in the mesh, and around it there is "
+             "divergence and curl that the form does not have";
+  }
+}
+
 void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
                           int frame, const std::string& path, const ProgressCallback& progress) {
   const auto values = [&](const Form& form) {
@@ -153,7 +173,7 @@ void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, Bou
     return byDegree(asset, form, frame,
                     [&](auto coarse) { return refiner.refine(std::move(coarse), mode); });
   };
-  writeDocument(asset, refiner.finest(), refiner.positions(refiner.levels()), values, path,
+  writeDocument(asset, refiner.finest(), refiner.positions(refiner.levels()), "", values, path,
                 progress);
 }
 
@@ -163,7 +183,20 @@ void writeRefinedDocument(const ControlAsset& asset, const MethodRefiner& refine
     return byDegree(asset, form, frame, [&](const auto& coarse) { return refiner.refine(coarse); });
   };
   const int finest = refiner.levels();
-  writeDocument(asset, refiner.complex(finest), refiner.positions(finest), values, path, progress);
+  writeDocument(asset, refiner.complex(finest), refiner.positions(finest), methodNote(refiner),
+                values, path, progress);
+}
+
+void writeExpandedDocument(const ControlAsset& asset, int frame, const std::string& path,
+                           const ProgressCallback& progress) {
+  const VirtualLayer layer(asset.mesh);
+  const ControlMesh expanded = ControlMesh::build(layer.expanded);
+  const Extension extension(asset.mesh, layer, expanded);
+  const auto values = [&](const Form& form) {
+    return byDegree(asset, form, frame,
+                    [&](const auto& coarse) { return extension.apply(coarse); });
+  };
+  writeDocument(asset, *expanded.complex(), expanded.positions(), "", values, path, progress);
 }
 
 }  // namespace octet

@@ -6,6 +6,7 @@
 
 #include <octet/core/geometry/mean_edge.h>
 
+#include "../control_asset/refinement.h"
 #include "../vdb/vdb_sampler.h"
 
 namespace octet {
@@ -52,48 +53,12 @@ const Form* chooseForm(const ControlAsset& asset, const std::string& name) {
   return nullptr;
 }
 
-/// An asset refined in one of the two ways.
-struct Refined {
-  std::vector<std::shared_ptr<const Complex>> complexes;
-  Array<Vec3> positions;  // that fields are given on
-  std::unique_ptr<Refiner> refiner;
-  std::unique_ptr<Limit> limit;
-  std::unique_ptr<MethodRefiner> method;
-
-  Refined(const ControlMesh& mesh, const AssetSubjectOptions& options,
-          const RefinerOptions& refinement) {
-    if (const auto which = boundaryMethod(options.boundary)) {
-      method = std::make_unique<MethodRefiner>(mesh, *which, refinement);
-      for (int k = 0; k <= method->levels(); ++k) complexes.push_back(method->sharedComplex(k));
-      positions = options.reconstruction == Reconstruction::Limit
-                      ? method->fieldPositions()
-                      : method->positions(method->levels());
-      return;
-    }
-    refiner = std::make_unique<Refiner>(mesh, refinement);
-    limit = std::make_unique<Limit>(*refiner);
-    for (int k = 0; k <= refiner->levels(); ++k) complexes.push_back(refiner->sharedComplex(k));
-    positions = options.reconstruction == Reconstruction::Limit
-                    ? limit->positions()
-                    : refiner->positions(refiner->levels());
-  }
-  int levels() const { return static_cast<int>(complexes.size()) - 1; }
-  const Complex& complex(int level) const { return *complexes[static_cast<std::size_t>(level)]; }
-  const Complex& finest() const { return *complexes.back(); }
-};
-
 template <int K>
-void setField(const ControlAsset& asset, const Form& form, const Refined& refined,
+void setField(const ControlAsset& asset, const Form& form, const Refinement& refinement,
               const AssetSubjectOptions& options, Subject* subject) {
-  auto control = coefficients<K>(asset, form, options.frame);
-  const auto byMode = [&] {
-    const BoundaryMode mode = boundaryMode(asset, form, options.boundary);
-    return makeField(*refined.refiner, *refined.limit,
-                     refined.refiner->refine(std::move(control), mode), mode,
-                     options.reconstruction);
-  };
   const auto field =
-      refined.method ? refined.method->field(control, options.reconstruction) : byMode();
+      refinement.field(coefficients<K>(asset, form, options.frame),
+                       boundaryMode(asset, form, options.boundary), options.reconstruction);
   subject->components = kComponents<K>;
   subject->sample = [field](const Vec3& point, double* value) {
     typename Piece<kComponents<K>>::Value v;
@@ -105,17 +70,17 @@ void setField(const ControlAsset& asset, const Form& form, const Refined& refine
 
 /// Edge e of a level as a polyline of the finest level's vertices: halves of edge e are 2e and
 /// 2e + 1 on the next level, in order (scheme.md section 3).
-SubjectShape::Polyline refinedEdge(const Refined& refiner, int level, Index edge,
+SubjectShape::Polyline refinedEdge(const Refinement& refiner, int level, Index edge,
                                    const Array<Vec3>& positions) {
   const int steps = refiner.levels() - level;
-  const Complex& finest = refiner.finest();
+  const Complex& finest = *refiner.finest();
   const Index first = edge << steps, count = Index{1} << steps;
   SubjectShape::Polyline line = {positions[finest.edges[first][0]]};
   for (Index k = first; k < first + count; ++k) line.push_back(positions[finest.edges[k][1]]);
   return line;
 }
 
-SubjectShape assetShape(const ControlAsset& asset, const Refined& refiner,
+SubjectShape assetShape(const ControlAsset& asset, const Refinement& refiner,
                         const Array<Vec3>& positions, int meshLevel) {
   SubjectShape shape;
   const Complex& control = *asset.mesh.complex();
@@ -124,13 +89,13 @@ SubjectShape assetShape(const ControlAsset& asset, const Refined& refiner,
     shape.cage.push_back({asset.mesh.positions()[a], asset.mesh.positions()[b]});
     shape.inner.push_back(!control.edgeOnBoundary(e));
   }
-  const Complex& coarse = refiner.complex(meshLevel);
+  const Complex& coarse = *refiner.complex(meshLevel);
   for (Index e = 0; e < coarse.edgeCount(); ++e) {
     if (coarse.edgeOnBoundary(e)) {
       shape.mesh.push_back(refinedEdge(refiner, meshLevel, e, positions));
     }
   }
-  const Complex& finest = refiner.finest();
+  const Complex& finest = *refiner.finest();
   std::vector<Index> place(finest.vertexCount(), kNone);
   for (Index f = 0; f < finest.facetCount(); ++f) {
     if (!finest.facetOnBoundary(f)) continue;
@@ -155,13 +120,15 @@ Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& optio
   refinement.levels = chooseLevels(*asset.mesh.complex(), options.levels);
   refinement.zeta = options.zeta;
   refinement.progress = options.progress;
-  const Refined refiner(asset.mesh, options, refinement);
-  const Array<Vec3>& positions = refiner.positions;
+  const Refinement refiner(asset.mesh, options.boundary, refinement);
+  const Array<Vec3>& positions = options.reconstruction == Reconstruction::Limit
+                                     ? refiner.limitPositions()
+                                     : refiner.positions(refiner.levels());
   Subject subject;
   subject.source = asset.name;
   subject.upAxis = asset.units.upAxis;
   for (const Vec3& p : positions) subject.bounds.extend(p);
-  subject.detail = meanEdge(refiner.finest(), positions);
+  subject.detail = meanEdge(*refiner.finest(), positions);
   subject.shape =
       assetShape(asset, refiner, positions, std::clamp(options.meshLevel, 0, refiner.levels()));
   if (!form) return subject;

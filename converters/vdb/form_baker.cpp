@@ -33,23 +33,14 @@ FormBaker::FormBaker(const ControlAsset& asset, const BakeOptions& options, cons
   refinerOptions.levels = grid.levels;
   refinerOptions.zeta = options.zeta;
   refinerOptions.progress = options.progress;
-  if (const auto method = boundaryMethod(options.boundary)) {
-    method_ = std::make_unique<MethodRefiner>(asset.mesh, *method, refinerOptions);
-    finest_ = method_->sharedComplex(method_->levels());
-  } else {
-    refiner_ = std::make_unique<Refiner>(asset.mesh, refinerOptions);
-    limit_ = std::make_unique<Limit>(*refiner_, options.progress);
-    finest_ = refiner_->sharedComplex(refiner_->levels());
-  }
+  refinement_ = std::make_unique<Refinement>(asset.mesh, options.boundary, refinerOptions);
   voxelsPerEdge_ = grid.voxelSize / finestEdge();
   checkMethod();
 }
 
 FormBaker::~FormBaker() = default;
 
-double FormBaker::finestEdge() const {
-  return meanEdge(*finest_, method_ ? method_->fieldPositions() : limit_->positions());
-}
+double FormBaker::finestEdge() const { return meanEdge(finest(), refinement_->limitPositions()); }
 
 void FormBaker::Job::say(const std::string& more) {
   if (!more.empty()) note += (note.empty() ? "" : "; ") + more;
@@ -82,24 +73,24 @@ VdbGridInfo FormBaker::bakeForm(Job job) const {
   job.mode = boundaryMode(asset_, job.form, options_.boundary);
   Cochain<K> control = coefficients<K>(asset_, job.form, job.frame);
   if constexpr (K == 1 || K == 2) {
+    job.say(methodNote());
     if (options_.project) {
       auto closed = planner_.closest(control);
       control = std::move(closed.form);
       job.say(closed.note);
     }
   }
-  if (method_) return addField<K>(job, method_->field(control, options_.reconstruction));
   if constexpr (K == 1) return addGradient(std::move(job), control, nullptr);
   if constexpr (K == 2) return addFlux(std::move(job), control, nullptr);
-  return addRefined<K>(job, refiner_->refine(std::move(control), job.mode));
+  return addSamples<K>(job, control);
 }
 
 /// d commutes with refinement: refining the derivative is differentiating the refined form.
 template <int K>
 VdbGridInfo FormBaker::bakeDerivative(Job job) const {
   job.mode = derivativeMode<K>(job.form);
-  Cochain<K + 1> control = derivative<K>(job.form, job.frame);
-  if (method_) return addField<K + 1>(job, method_->field(control, options_.reconstruction));
+  const Cochain<K + 1> control = derivative<K>(job.form, job.frame);
+  if constexpr (K < 2) job.say(methodNote());
   if constexpr (K == 0) {
     const auto potential = coefficients<0>(asset_, job.form, job.frame);
     return addGradient(std::move(job), control, &potential);
@@ -108,7 +99,7 @@ VdbGridInfo FormBaker::bakeDerivative(Job job) const {
     const auto potential = coefficients<1>(asset_, job.form, job.frame);
     return addFlux(std::move(job), control, &potential);
   }
-  return addRefined<K + 1>(job, refiner_->refine(std::move(control), job.mode));
+  return addSamples<K + 1>(job, control);
 }
 
 /// The derivative on the control mesh; coefficients that cancel up to rounding are 0.
@@ -141,32 +132,31 @@ BoundaryMode FormBaker::derivativeMode(const Form& form) const {
 /// A flux is baked from its vector potential, when it has one: by commutation the refined
 /// potential's derivative is the refined form.
 VdbGridInfo FormBaker::addFlux(Job job, const Cochain<2>& control, const Cochain<1>* given) const {
-  Cochain<2> finest = refiner_->refine(control, job.mode);
   const std::string worse = whyMeansAreWorse();
   if (!mayConserve() || !worse.empty()) {
     const std::string open = planner_.describeOpenness(control);
     job.say(open.empty() && mayConserve() ? worse : open);
-    return addRefined<2>(job, std::move(finest));
+    return addSamples<2>(job, control);
   }
   const VelocityPlan plan = planner_.plan(control, given);
   // With a potential, a note is about voxels that only staggered grids leave out.
   if (!plan.potential || options_.sampling == Sampling::Staggered) job.say(plan.note);
-  if (plan.potential) return addCirculations(job, plan.potential->form, finest);
+  if (plan.potential) return addCirculations(job, plan.potential->form, control);
   refuseSamples(job);
-  return addRefined<2>(job, std::move(finest));
+  return addSamples<2>(job, control);
 }
 
 VdbGridInfo FormBaker::addCirculations(const Job& job, const Cochain<1>& potential,
-                                       const Cochain<2>& finest) const {
-  const Array<Vec3> vectors = turn_(limit_->vectors(finest, job.mode));
-  PotentialField field(finest_, turn_(refiner_->positions(refiner_->levels())),
-                       refiner_->refine(potential, job.mode), vectors,
-                       job.mode == BoundaryMode::Walls);
+                                       const Cochain<2>& control) const {
+  const Array<Vec3> vectors = turn_(refinement_->limitVectors(control, job.mode));
+  const bool walls = job.mode == BoundaryMode::Walls && !boundaryMethod(options_.boundary);
+  PotentialField field(refinement_->finest(), turn_(refinement_->positions(grid_.levels)),
+                       refinement_->refine(potential, job.mode), vectors, walls);
   if (options_.sampling == Sampling::Staggered) {
     return job.file->add(field, gridSpec<2>(job), options_.progress);
   }
-  const VectorField samples(
-      std::make_shared<VertexField<3>>(finest_, turn_(limit_->positions()), vectors));
+  const VectorField samples(std::make_shared<VertexField<3>>(
+      refinement_->finest(), turn_(refinement_->limitPositions()), vectors));
   const MeanFluxField means{samples, std::move(field), neighbourWeight(voxelsPerEdge_)};
   return job.file->add(means, gridSpec<2>(job), options_.progress);
 }
@@ -174,7 +164,6 @@ VdbGridInfo FormBaker::addCirculations(const Job& job, const Cochain<1>& potenti
 /// A gradient is baked as differences of its potential, when it has one.
 VdbGridInfo FormBaker::addGradient(Job job, const Cochain<1>& control,
                                    const Cochain<0>* given) const {
-  Cochain<1> finest = refiner_->refine(control, job.mode);
   std::optional<Cochain<0>> potential;
   if (mayConserve()) {
     potential = given ? *given : scalarPotential(*asset_.mesh.complex(), control);
@@ -182,23 +171,23 @@ VdbGridInfo FormBaker::addGradient(Job job, const Cochain<1>& control,
   if (!potential) {
     job.say(planner_.describeOpenness(control));
     refuseSamples(job);
-    return addRefined<1>(job, std::move(finest));
+    return addSamples<1>(job, control);
   }
-  return job.file->add(gradientField(*potential, finest, job.mode), gridSpec<1>(job),
+  return job.file->add(gradientField(*potential, control, job.mode), gridSpec<1>(job),
                        options_.progress);
 }
 
-/// Potentials go with the limit reconstruction alone, and not with the thesis' boundary methods.
+/// Potentials go with limits alone, and only where the derivative of a refined one is the refined
+/// derivative: of the thesis' boundary methods, with expansion.
 bool FormBaker::mayConserve() const {
-  return options_.method != BakeMethod::Samples && !method_ &&
-         options_.reconstruction == Reconstruction::Limit;
+  return options_.method != BakeMethod::Samples && limitFields() && refinement_->commutes();
 }
 
 void FormBaker::checkMethod() const {
   if (options_.method == BakeMethod::Conservative && !mayConserve()) {
     throw InputError("method",
-                     "conservative needs the limit reconstruction, and boundary auto, "
-                     "walls or open");
+                     "conservative needs the limit reconstruction, and a boundary that commutes "
+                     "with d: auto, walls, open, or expansion where the mesh has no narrow gaps");
   }
 }
 
@@ -223,35 +212,36 @@ void FormBaker::refuseSamples(const Job& job) const {
 }
 
 template <int K>
-VdbGridInfo FormBaker::addRefined(const Job& job, Cochain<K> finest) const {
-  return addField<K>(
-      job, makeField(*refiner_, *limit_, std::move(finest), job.mode, options_.reconstruction));
+VdbGridInfo FormBaker::addSamples(const Job& job, const Cochain<K>& control) const {
+  const auto field = refinement_->field(control, job.mode, options_.reconstruction);
+  return job.file->add(turnedField(field, refinement_->finest(), turn_), gridSpec<K>(job),
+                       options_.progress);
 }
 
-template <int K>
-VdbGridInfo FormBaker::addField(const Job& job, const Field<kComponents<K>>& field) const {
-  return job.file->add(turnedField(field, finest_, turn_), gridSpec<K>(job), options_.progress);
-}
-
-GradientField FormBaker::gradientField(const Cochain<0>& potential, const Cochain<1>& finest,
+GradientField FormBaker::gradientField(const Cochain<0>& potential, const Cochain<1>& control,
                                        BoundaryMode mode) const {
-  const Array<double> values = limit_->values(refiner_->refine(potential, mode));
-  Array<Vec3> vectors = limit_->vectors(finest, mode);
+  const auto finest = refinement_->finest();
+  const Array<Vec3>& positions = refinement_->limitPositions();
+  const Array<double> values = refinement_->limitValues(potential, mode);
+  Array<Vec3> vectors = refinement_->limitVectors(control, mode);
   Array<Piece<1>::Value> base(values.size());
   parallelFor<std::size_t>(values.size(), [&](std::size_t k) {
-    base[k][0] = values[k] - vectors[k].dot(limit_->positions()[k]) / 2;
+    base[k][0] = values[k] - vectors[k].dot(positions[k]) / 2;
   });
-  const ScalarField baseField(
-      std::make_shared<VertexField<1>>(finest_, limit_->positions(), std::move(base)));
+  const ScalarField baseField(std::make_shared<VertexField<1>>(finest, positions, std::move(base)));
   const VectorField vectorField(
-      std::make_shared<VertexField<3>>(finest_, limit_->positions(), std::move(vectors)));
-  return {turnedField(baseField, finest_, turn_), turnedField(vectorField, finest_, turn_)};
+      std::make_shared<VertexField<3>>(finest, positions, std::move(vectors)));
+  return {turnedField(baseField, finest, turn_), turnedField(vectorField, finest, turn_)};
 }
 
-/// Of the thesis' methods only expansion has limits.
 bool FormBaker::limitFields() const {
-  return options_.reconstruction == Reconstruction::Limit &&
-         (!method_ || method_->method() == BoundaryMethod::Expansion);
+  return options_.reconstruction == Reconstruction::Limit && refinement_->hasLimits();
+}
+
+std::string FormBaker::methodNote() const {
+  const std::string note = refinement_->note();
+  if (note.empty() || options_.method == BakeMethod::Samples) return note;
+  return note + "; sampled, as no refined potential has its derivative";
 }
 
 template <int K>
@@ -270,7 +260,7 @@ VdbGridSpec FormBaker::gridSpec(const Job& job) const {
     if (spec.sampling == Sampling::Staggered) spec.gridClass = Class::Staggered;
   }
   if (K == 3 || target_.fogClass) spec.gridClass = Class::Fog;
-  const char* const boundary = method_                           ? boundaryName(options_.boundary)
+  const char* const boundary = boundaryMethod(options_.boundary) ? boundaryName(options_.boundary)
                                : job.mode == BoundaryMode::Walls ? "walls"
                                                                  : "open";
   spec.metadata = {{"octet_form", job.form.name},

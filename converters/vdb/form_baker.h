@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "../control_asset/refinement.h"
 #include "bake.h"
 #include "grid_choice.h"
 #include "turned_field.h"
@@ -20,7 +21,7 @@ class FormBaker {
   ~FormBaker();
 
   /// The finest level, its mean edge, and the up axis of the grids.
-  const Complex& finest() const { return *finest_; }
+  const Complex& finest() const { return *refinement_->finest(); }
   double finestEdge() const;
   char upAxis() const { return turn_.to; }
 
@@ -54,20 +55,20 @@ class FormBaker {
 
   VdbGridInfo addFlux(Job job, const Cochain<2>& control, const Cochain<1>* given) const;
   VdbGridInfo addCirculations(const Job& job, const Cochain<1>& potential,
-                              const Cochain<2>& finest) const;
+                              const Cochain<2>& control) const;
   VdbGridInfo addGradient(Job job, const Cochain<1>& control, const Cochain<0>* given) const;
   template <int K>
-  VdbGridInfo addRefined(const Job& job, Cochain<K> finest) const;
-  template <int K>
-  VdbGridInfo addField(const Job& job, const Field<kComponents<K>>& field) const;
+  VdbGridInfo addSamples(const Job& job, const Cochain<K>& control) const;
 
-  GradientField gradientField(const Cochain<0>& potential, const Cochain<1>& finest,
+  GradientField gradientField(const Cochain<0>& potential, const Cochain<1>& control,
                               BoundaryMode mode) const;
   void checkMethod() const;
   bool mayConserve() const;
   std::string whyMeansAreWorse() const;
   void refuseSamples(const Job& job) const;
   bool limitFields() const;
+  /// What the boundary method does not keep, and what that means for a grid.
+  std::string methodNote() const;
   template <int K>
   VdbGridSpec gridSpec(const Job& job) const;
 
@@ -77,10 +78,7 @@ class FormBaker {
   const GridChoice grid_;
   const AxisTurn turn_;
   VelocityPlanner planner_;
-  std::unique_ptr<Refiner> refiner_;
-  std::unique_ptr<Limit> limit_;
-  std::unique_ptr<MethodRefiner> method_;  // in their place, for a method of the thesis
-  std::shared_ptr<const Complex> finest_;
+  std::unique_ptr<Refinement> refinement_;
   double voxelsPerEdge_ = 0;  // mean fine edge
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "method_refiner.h"
 
+#include <stdexcept>
+
 #include "../field/vertex_field.h"
 #include "../field/whitney.h"
 #include "../topology/split.h"
@@ -23,17 +25,22 @@ class MethodRefiner::Rules {
   virtual bool commutes() const { return false; }
   virtual const Array<Vec3>& fieldPositions() const { return positions(levels()); }
   /// Limit vectors or values at the finest vertices, where the method has them.
-  virtual bool hasLimit() const { return false; }
-  virtual Array<double> values(const Cochain<0>&) const { return {}; }
-  virtual Array<Vec3> vectors(const Cochain<1>&) const { return {}; }
-  virtual Array<Vec3> vectors(const Cochain<2>&) const { return {}; }
-  virtual Array<double> values(const Cochain<3>&) const { return {}; }
+  virtual bool hasLimits() const { return false; }
+  virtual Array<double> values(const Cochain<0>&) const { throw noLimits(); }
+  virtual Array<Vec3> vectors(const Cochain<1>&) const { throw noLimits(); }
+  virtual Array<Vec3> vectors(const Cochain<2>&) const { throw noLimits(); }
+  virtual Array<double> values(const Cochain<3>&) const { throw noLimits(); }
 
   int levels() const { return static_cast<int>(complexes.size()) - 1; }
 
   BoundaryMethod method = BoundaryMethod::Simple;
   double zeta = kDefaultZeta;
   std::vector<std::shared_ptr<const Complex>> complexes;
+
+ private:
+  static std::logic_error noLimits() {
+    return std::logic_error("limits of a boundary method that has none");
+  }
 };
 
 /// Star rows at the boundary, and what Simple and Projection make of them.
@@ -143,7 +150,7 @@ class MethodRefiner::ExpandingRules : public Rules {
 
   bool commutes() const override { return extension_.exact(); }
   const Array<Vec3>& fieldPositions() const override { return limitPositions_; }
-  bool hasLimit() const override { return true; }
+  bool hasLimits() const override { return true; }
   Array<double> values(const Cochain<0>& form) const override {
     return part(levels()).ofVertices(limit_.values(steps(form, levels())));
   }
@@ -202,6 +209,7 @@ MethodRefiner& MethodRefiner::operator=(MethodRefiner&&) noexcept = default;
 int MethodRefiner::levels() const { return rules_->levels(); }
 BoundaryMethod MethodRefiner::method() const { return rules_->method; }
 bool MethodRefiner::commutes() const { return rules_->commutes(); }
+bool MethodRefiner::hasLimits() const { return rules_->hasLimits(); }
 const Complex& MethodRefiner::complex(int level) const { return *sharedComplex(level); }
 std::shared_ptr<const Complex> MethodRefiner::sharedComplex(int level) const {
   return rules_->complexes.at(static_cast<std::size_t>(level));
@@ -219,12 +227,21 @@ Cochain<K> MethodRefiner::refine(const Cochain<K>& form, int level) const {
   return rules_->refine(form, level);
 }
 
+Array<double> MethodRefiner::limitValues(const Cochain<0>& form) const {
+  return rules_->values(form);
+}
+
+template <int K>
+Array<Vec3> MethodRefiner::limitVectors(const Cochain<K>& form) const {
+  return rules_->vectors(form);
+}
+
 template <int K>
 Field<kComponents<K>> MethodRefiner::field(const Cochain<K>& form,
                                            Reconstruction reconstruction) const {
   constexpr int C = kComponents<K>;
   const auto finest = sharedComplex(levels());
-  if (reconstruction == Reconstruction::Whitney || !rules_->hasLimit()) {
+  if (reconstruction == Reconstruction::Whitney || !rules_->hasLimits()) {
     return Field<C>(
         std::make_shared<Whitney<K>>(finest, positions(levels()), refine(form), rules_->zeta));
   }
@@ -241,6 +258,8 @@ template Cochain<0> MethodRefiner::refine(const Cochain<0>&, int) const;
 template Cochain<1> MethodRefiner::refine(const Cochain<1>&, int) const;
 template Cochain<2> MethodRefiner::refine(const Cochain<2>&, int) const;
 template Cochain<3> MethodRefiner::refine(const Cochain<3>&, int) const;
+template Array<Vec3> MethodRefiner::limitVectors(const Cochain<1>&) const;
+template Array<Vec3> MethodRefiner::limitVectors(const Cochain<2>&) const;
 template Field<1> MethodRefiner::field(const Cochain<0>&, Reconstruction) const;
 template Field<3> MethodRefiner::field(const Cochain<1>&, Reconstruction) const;
 template Field<3> MethodRefiner::field(const Cochain<2>&, Reconstruction) const;

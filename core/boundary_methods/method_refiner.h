@@ -68,6 +68,13 @@ class MethodRefiner {
 
   /// Positions that fields are given on: limits for Expansion, else the finest level's own.
   const Array<Vec3>& fieldPositions() const;
+  /// Has it limits? Only Expansion.
+  bool hasLimits() const;
+  /// Limit values and vectors of a control form at the finest vertices, K = 1 or 2, which belong to
+  /// fieldPositions(). @throws std::logic_error where there are none
+  Array<double> limitValues(const Cochain<0>& form) const;
+  template <int K>
+  Array<Vec3> limitVectors(const Cochain<K>& form) const;
   /// The field of a control form. Simple and Projection are rebuilt by Whitney forms, as in the
   /// thesis, whatever is asked for.
   template <int K>

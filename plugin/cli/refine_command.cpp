@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include <octet/converters/control_asset/refined_document.h>
 #include <octet/core/base/error.h>
@@ -15,6 +17,7 @@ struct Arguments {
   RefinerOptions options;
   BoundaryChoice boundary = BoundaryChoice::Auto;
   std::optional<int> frame;
+  bool virtualLayer = false, json = false;
 };
 
 /// More cells than this are refused, for memory and for the size of the document.
@@ -36,20 +39,45 @@ void checkSize(const Complex& control, int levels) {
   }
 }
 
+void print(const Arguments& arguments, std::int64_t cells, const std::string& note) {
+  if (arguments.json) {
+    const nlohmann::ordered_json document = {{"path", arguments.output},
+                                             {"levels", arguments.options.levels},
+                                             {"cells", cells},
+                                             {"boundary", boundaryName(arguments.boundary)},
+                                             {"note", note}};
+    std::cout << text(document) << "\n";
+  } else if (!note.empty()) {
+    std::cout << "note: " << note << "\n";
+  }
+}
+
 void run(Arguments& arguments) {
+  const RefinerOptions& options = arguments.options;
   arguments.options.progress = consoleProgress();
   checkOutput(arguments.control, arguments.output);
+  if (arguments.virtualLayer &&
+      (arguments.boundary != BoundaryChoice::Expansion || options.levels != 0)) {
+    throw InputError("--virtual-layer", "needs --boundary expansion and --levels 0");
+  }
   const ControlAsset asset = readAsset(arguments.control);
-  checkSize(*asset.mesh.complex(), arguments.options.levels);
+  checkSize(*asset.mesh.complex(), options.levels);
   if (arguments.frame) checkFrame(asset, *arguments.frame);
+  const int frame = arguments.frame.value_or(0);
   if (const auto method = boundaryMethod(arguments.boundary)) {
-    writeRefinedDocument(asset, MethodRefiner(asset.mesh, *method, arguments.options),
-                         arguments.frame.value_or(0), arguments.output, arguments.options.progress);
+    const MethodRefiner refiner(asset.mesh, *method, options);
+    if (arguments.virtualLayer) {
+      writeExpandedDocument(asset, frame, arguments.output, options.progress);
+    } else {
+      writeRefinedDocument(asset, refiner, frame, arguments.output, options.progress);
+    }
+    print(arguments, refiner.complex(options.levels).cellCount(), methodNote(refiner));
     return;
   }
-  const Refiner refiner(asset.mesh, arguments.options);
-  writeRefinedDocument(asset, refiner, arguments.boundary, arguments.frame.value_or(0),
-                       arguments.output, arguments.options.progress);
+  const Refiner refiner(asset.mesh, options);
+  writeRefinedDocument(asset, refiner, arguments.boundary, frame, arguments.output,
+                       options.progress);
+  print(arguments, refiner.finest().cellCount(), "");
 }
 
 }  // namespace
@@ -82,6 +110,10 @@ void addRefine(CLI::App* program) {
   command->add_flag("!--linear", arguments->options.smooth,
                     "Linear (Whitney) subdivision only, without smoothing");
   command->add_option("--frame", arguments->frame, "Frame of an animated asset");
+  command->add_flag("--virtual-layer", arguments->virtualLayer,
+                    "Write the control mesh with the layer that --boundary expansion puts around "
+                    "it, and the forms continued to it");
+  command->add_flag("--json", arguments->json, "Print a machine-readable summary");
   command->callback([arguments] { run(*arguments); });
 }
 

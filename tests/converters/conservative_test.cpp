@@ -356,8 +356,18 @@ TEST_F(Conservative, ConservativeIsRefusedWhereItCannotBe) {
   options.reconstruction = Reconstruction::Whitney;
   refuses("velocity", "limit reconstruction");
   options.reconstruction = Reconstruction::Limit;
+  options.boundary = BoundaryChoice::Projection;
+  refuses("velocity", "commutes");
+}
+
+TEST_F(Conservative, ExpansionHasPotentialsToo) {
+  const ControlAsset asset = randomAsset(testing::creasedBox(2, 0.1, 1), true, 34);
+  BakeOptions options = collocated(asset.mesh, 0.5, 1);
+  options.method = BakeMethod::Conservative;
   options.boundary = BoundaryChoice::Expansion;
-  refuses("velocity", "walls or open");
+  options.sampling = Sampling::Staggered;
+  EXPECT_LE(baked(asset, "velocity", options).maxDivergence, kFloatDivergence);
+  EXPECT_EQ(grid().method, "circulations");
 }
 
 TEST_F(Conservative, DerivativeOfAPotentialIsTheSameVelocity) {

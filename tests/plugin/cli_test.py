@@ -12,10 +12,14 @@ import resource
 import select
 import signal
 import subprocess
+import sys
 import time
 import unittest
 
 import command
+
+sys.path.insert(0, command.SAMPLES)
+import octet_asset
 
 OCTETVDB = command.from_arguments()
 BOX = os.path.join(command.SAMPLES, "box", "box.octet.json")
@@ -323,6 +327,77 @@ class SameBytes(Case):
         self.assertEqual(len(tags), 3)
         for tag in tags:
             self.assertRegex(tag.decode(), r"\A[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}\Z")
+
+
+class BoundaryMethods(Case):
+    """What the thesis' methods at the boundary do not keep is said, and what they keep is kept."""
+
+    def lattice(self, gap):
+        """A block of the lattice with a turning flow; `gap`: without the octahedron inside."""
+        cage = octet_asset.lattice(lambda p: sum(map(abs, p)) <= 4, 4, creases=[])
+        if gap:
+            beside = {(x, y, z) for x, y, z in ((0, 0, 0), (2, 0, 0), (1, 1, 0), (1, -1, 0),
+                                                (1, 0, 1), (1, 0, -1))}
+            octahedra = [o for o in cage.octahedra if {cage.vertices[v] for v in o} != beside]
+            self.assertEqual(len(octahedra), len(cage.octahedra) - 1)
+            cage = octet_asset.Cage(cage.vertices, cage.tetrahedra, octahedra, creases=[])
+        potential = {e: cage.circulation(lambda p: (p[1] * p[2], 0.3 * p[0], p[1] ** 2), e)
+                     for e in cage.edges}
+        path = self.path("lattice.octet.json")
+        octet_asset.write(path, "lattice", cage, [octet_asset.form("a", 1, "m^2/s", potential)])
+        return path
+
+    def baked(self, asset, boundary, *options):
+        out = self.path("a.vdb")
+        report = json.loads(self.succeed(
+            "bake", asset, "-o", out, "--d", "--grid", "staggered", "--boundary", boundary,
+            "--resolution", "12", "--levels", "1", "--json", *options))
+        (grid,) = report["files"][0]["grids"]
+        (stored,) = json.loads(self.succeed("info", out, "--json"))["grids"]
+        self.assertEqual(stored["metadata"].get("octet_note", ""), grid.get("note", ""))
+        return grid
+
+    def test_expansion_bakes_circulations(self):
+        asset = self.lattice(gap=False)
+        grid = self.baked(asset, "expansion")
+        self.assertEqual(grid["method"], "circulations")
+        self.assertNotIn("note", grid)
+        self.assertLess(grid["certificate"]["divergence_max"], 1e-6)
+        refined = self.succeed("refine", asset, "-o", self.path("a.json"), "--levels", "1",
+                               "--boundary", "expansion")
+        self.assertEqual(refined, "")
+
+    def test_a_gap_that_the_virtual_layer_fills_is_told(self):
+        asset = self.lattice(gap=True)
+        grid = self.baked(asset, "expansion")
+        self.assertEqual(grid["method"], "samples")
+        self.assertIn("fills a gap", grid["note"])
+        self.assertIn("sampled", grid["note"])
+        out = self.path("a.json")
+        report = json.loads(self.succeed("refine", asset, "-o", out, "--levels", "1", "--boundary",
+                                         "expansion", "--json"))
+        with open(out) as file:
+            self.assertEqual(json.load(file)["note"], report["note"])
+        self.assertIn("fills a gap", report["note"])
+
+    def test_methods_without_potentials_say_so(self):
+        asset = self.lattice(gap=False)
+        for boundary in ("simple", "projection"):
+            grid = self.baked(asset, boundary)
+            self.assertEqual(grid["method"], "samples")
+            self.assertIn(boundary, grid["note"])
+            self.assertIn("sampled", grid["note"])
+
+    def test_the_virtual_layer_can_be_looked_at(self):
+        asset, out = self.lattice(gap=False), self.path("a.json")
+        self.succeed("refine", asset, "-o", out, "--levels", "0", "--boundary", "expansion",
+                     "--virtual-layer")
+        with open(out) as file:
+            document = json.load(file)
+        self.assertGreater(len(document["tetrahedra"]), 80)
+        self.assertEqual(len(document["forms"]["a"]["values"]), len(document["edges"]))
+        self.fail_with(2, "--virtual-layer", "refine", asset, "-o", self.path("b.json"), "--levels",
+                       "1", "--boundary", "expansion", "--virtual-layer")
 
 
 class Terminal:

@@ -26,7 +26,7 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
   options.voxelSize = voxelSize;
   options.resolution = resolution;
   options.levels = levels;
-  options.boundary = boundaryChoice(boundary);
+  options.boundary = boundaryOrMethod(boundary);
   options.sampling = choose<Sampling>(
       "grid", grid, {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}});
   options.reconstruction = reconstructionChoice(reconstruction);
@@ -118,7 +118,8 @@ derivative:     bake the forms' exterior derivatives: the velocity of a vector p
 voxel_size:     world units; or
 resolution:     voxels along the domain's longest side
 levels:         subdivisions; None: until the mean edge is at most 2 voxels
-boundary:       "auto", "walls" or "open"
+boundary:       "auto", "walls" or "open"; for comparison, the thesis' methods: "simple",
+                "projection" or "expansion"
 grid:           "collocated" or "staggered"
 reconstruction: "limit" or "whitney"
 target:         "openvdb", "blender", "houdini", "arnold" or "renderman"

@@ -53,6 +53,8 @@ auto withDegree(int degree, const Use& use) {
 
 /// "auto", "walls" or "open".
 BoundaryChoice boundaryChoice(const std::string& name);
+/// The same, or one of the thesis' methods: "simple", "projection" or "expansion".
+BoundaryChoice boundaryOrMethod(const std::string& name);
 /// "limit" or "whitney".
 Reconstruction reconstructionChoice(const std::string& name);
 

@@ -19,6 +19,16 @@ BoundaryChoice boundaryChoice(const std::string& name) {
                                  {"open", BoundaryChoice::Open}});
 }
 
+BoundaryChoice boundaryOrMethod(const std::string& name) {
+  std::vector<std::pair<const char*, BoundaryChoice>> choices;
+  for (const auto choice :
+       {BoundaryChoice::Auto, BoundaryChoice::Walls, BoundaryChoice::Open, BoundaryChoice::Simple,
+        BoundaryChoice::Projection, BoundaryChoice::Expansion}) {
+    choices.emplace_back(boundaryName(choice), choice);
+  }
+  return choose<BoundaryChoice>("boundary", name, choices);
+}
+
 Reconstruction reconstructionChoice(const std::string& name) {
   return choose<Reconstruction>(
       "reconstruction", name,

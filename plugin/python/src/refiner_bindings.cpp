@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <mutex>
 #include <optional>
 
 #include <pybind11/stl.h>
 
 #include <octet/core/base/error.h>
+#include <octet/core/boundary_methods/method_refiner.h>
 #include <octet/core/field/field.h>
 #include <octet/core/refine/refiner.h>
 
@@ -16,11 +18,13 @@
 namespace octet::python {
 namespace {
 
-/// A refiner with its limit, which is made when first needed.
+/// A refiner with its limit and the thesis' boundary methods, which are made when first needed.
 class Subdivision {
  public:
   Subdivision(std::shared_ptr<ControlMesh> mesh, const RefinerOptions& options)
-      : mesh_(std::move(mesh)), refiner_(*mesh_, options) {}
+      : mesh_(std::move(mesh)), options_(options), refiner_(*mesh_, options) {
+    options_.progress = {};  // of whoever made this
+  }
 
   const Refiner& refiner() const { return refiner_; }
   const std::shared_ptr<ControlMesh>& mesh() const { return mesh_; }
@@ -28,6 +32,12 @@ class Subdivision {
   const Limit& limit() const {
     std::call_once(once_, [&] { limit_.emplace(refiner_); });
     return *limit_;
+  }
+  /// Likewise.
+  const MethodRefiner& method(BoundaryMethod which) const {
+    const auto k = static_cast<std::size_t>(which);
+    std::call_once(methodOnce_[k], [&] { methods_[k].emplace(*mesh_, which, options_); });
+    return *methods_[k];
   }
   int level(std::optional<int> asked) const {
     const int level = asked.value_or(refiner_.levels());
@@ -40,9 +50,12 @@ class Subdivision {
 
  private:
   std::shared_ptr<ControlMesh> mesh_;
+  RefinerOptions options_;
   Refiner refiner_;
   mutable std::once_flag once_;
   mutable std::optional<Limit> limit_;
+  mutable std::array<std::once_flag, 3> methodOnce_;
+  mutable std::array<std::optional<MethodRefiner>, 3> methods_;  // by BoundaryMethod
 };
 
 template <int K>
@@ -82,9 +95,13 @@ py::array refine(const Subdivision& s, int degree, const py::object& coefficient
                  const std::string& boundary) {
   return withDegree(degree, [&](auto constant) {
     constexpr int K = decltype(constant)::value;
-    const BoundaryChoice choice = boundaryChoice(boundary);
+    const BoundaryChoice choice = boundaryOrMethod(boundary);
     auto form = cochain<K>(coefficients, s.refiner().complex(0));
     withoutGil([&] {
+      if (const auto method = boundaryMethod(choice)) {
+        form = s.method(*method).refine(form);
+        return;
+      }
       const BoundaryMode mode = modeFor(choice, s.refiner().complex(0), form);
       form = s.refiner().refine(std::move(form), mode);
     });
@@ -129,12 +146,15 @@ py::array limit(const Subdivision& s, int degree, const py::object& coefficients
 
 FieldHandle field(const Subdivision& s, int degree, const py::object& coefficients,
                   const std::string& boundary, const std::string& reconstruction) {
-  const BoundaryChoice choice = boundaryChoice(boundary);
+  const BoundaryChoice choice = boundaryOrMethod(boundary);
   const Reconstruction how = reconstructionChoice(reconstruction);
   return withDegree(degree, [&](auto constant) {
     constexpr int K = decltype(constant)::value;
     auto form = cochain<K>(coefficients, s.refiner().complex(0));
     return withoutGil([&] {
+      if (const auto method = boundaryMethod(choice)) {
+        return FieldHandle(s.method(*method).field(form, how));
+      }
       const BoundaryMode mode = modeFor(choice, s.refiner().complex(0), form);
       form = s.refiner().refine(std::move(form), mode);
       return FieldHandle(makeField(s.refiner(), s.limit(), std::move(form), mode, how));
@@ -179,13 +199,18 @@ with the exterior derivative. Methods may be called from many threads; long ones
           "Topology of a level; 0 is the control mesh, None the finest.")
       .def(
           "positions",
-          [](const py::object& self, std::optional<int> level) {
+          [](const py::object& self, std::optional<int> level, const std::string& boundary) {
             const auto& s = self.cast<const Subdivision&>();
-            return viewRows(s.refiner().positions(s.level(level)), 3, self);
+            const int k = s.level(level);
+            const auto method = boundaryMethod(boundaryOrMethod(boundary));
+            const auto& points = withoutGil([&]() -> const auto& {
+              return method ? s.method(*method).positions(k) : s.refiner().positions(k);
+            });
+            return viewRows(points, 3, self);
           },
-          py::arg("level") = py::none(),
+          py::arg("level") = py::none(), py::arg("boundary") = "auto",
           "float64 (vertices, 3): vertex positions of a level, world units; None: the finest.\n"
-          "A view.")
+          "The thesis' methods at the boundary have positions of their own. A view.")
       .def(
           "limit_positions",
           [](const py::object& self) {
@@ -200,7 +225,8 @@ with the exterior derivative. Methods may be called from many threads; long ones
 
 coefficients: float (mesh.complex.count(degree),)
 boundary:     "walls": what is zero at the boundary stays zero; "open": constants are exact there;
-              "auto": walls for forms that are zero there
+              "auto": walls for forms that are zero there; for comparison, the thesis' methods:
+              "simple", "projection", "expansion"
 Returns float64 (complex().count(degree),).)")
       .def("step", &step, py::arg("level"), py::arg("degree"), py::arg("coefficients"),
            py::arg("boundary"),

@@ -11,6 +11,9 @@
 namespace octet::python {
 namespace {
 
+/// As many corrections as the command takes.
+constexpr int kMostCorrections = 20;
+
 /// "units/s" and the like.
 void readUnit(const std::string& unit, VelocityReadOptions* read) {
   using Unit = std::pair<bool, bool>;  // voxels, per frame
@@ -25,10 +28,14 @@ void readUnit(const std::string& unit, VelocityReadOptions* read) {
 
 py::tuple sample(const ControlAsset& asset, const std::vector<std::string>& paths,
                  const std::string& name, int degree, bool closed, const std::string& boundary,
-                 const std::string& grid, const std::string& unit, double scale, int levels,
-                 double zeta, const py::object& progress) {
+                 int corrections, const std::string& grid, const std::string& unit, double scale,
+                 int levels, double zeta, const py::object& progress) {
   if (degree != 1 && degree != 2) {
     throw InputError("degree", std::to_string(degree) + " is neither 1 nor 2");
+  }
+  if (corrections < 0 || corrections > kMostCorrections) {
+    throw InputError("corrections", std::to_string(corrections) + " is not from 0 to " +
+                                        std::to_string(kMostCorrections));
   }
   SampleOptions options;
   options.name = name;
@@ -39,6 +46,7 @@ py::tuple sample(const ControlAsset& asset, const std::vector<std::string>& path
                                            {"keep", BoundaryRule::Keep},
                                            {"zero", BoundaryRule::Zero},
                                            {"obstacles", BoundaryRule::ZeroInside}});
+  options.corrections = corrections;
   options.read.grid = grid;
   readUnit(unit, &options.read);
   options.read.framesPerSecond = asset.units.framesPerSecond;
@@ -77,7 +85,7 @@ Relative numbers refer to the root mean square speed of the source.)")
       .def_readonly("after", &SampledFrame::after, "The same as it was written.");
   module.def("sample_velocity", &sample, py::arg("asset"), py::arg("paths"), py::kw_only(),
              py::arg("name") = "velocity", py::arg("degree") = 2, py::arg("closed") = false,
-             py::arg("boundary_flux") = "free", py::arg("grid") = "",
+             py::arg("boundary_flux") = "free", py::arg("corrections") = 0, py::arg("grid") = "",
              py::arg("velocity_unit") = "units/s", py::arg("scale") = 1.0, py::arg("levels") = 2,
              py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
              R"(Turns velocity grids of .vdb files into a form on an asset's cage.
@@ -88,6 +96,7 @@ degree:        2: fluxes through facets; 1: circulations along edges
 closed:        take the nearest form without divergence (degree 2) or curl (1)
 boundary_flux: "free", "keep", "zero" or "obstacles": what that does with boundary coefficients;
     "obstacles" makes those of cavities' walls 0, bake then with boundary="walls"
+corrections:   how often coefficients are corrected by what the smooth limit lacks, 0 to 20
 grid:          name of the vector grid or float triple; found by itself by default
 velocity_unit: "units/s", "units/frame", "voxels/s" or "voxels/frame"
 scale:         factor for the grid's numbers

@@ -25,6 +25,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import measure
 
 METHODS = ("walls", "open", "simple", "projection", "expansion")
+LEVELS = 2
 BALL = os.path.join(measure.HERE, "..", "ball", "ball.octet.json")
 CONSTANT = np.array([0.4, -0.7, 0.6])
 SLOPE = np.array([[-0.4, 0.3, 0.1], [0.2, 0.5, -0.2], [0.3, 0.1, -0.1]])     # no trace
@@ -118,7 +119,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("octetvdb")
-    parser.add_argument("--levels", type=int, default=2)
+    parser.add_argument("--levels", type=int, default=LEVELS)
     parser.add_argument("--mesh", action="append", help="only this one; repeatable")
     parser.add_argument("--json")
     arguments = parser.parse_args()

@@ -338,6 +338,19 @@ def test_bad_primitives_are_refused(cube):
         octetvdb.integrate("wind", cube)
 
 
+def test_corrections_bring_a_sampled_flow_nearer(tmp_path, cube):
+    asset = octetvdb.ControlAsset(cube, [octetvdb.Form(cube, "vortex", 2, octetvdb.integrate(
+        octetvdb.VortexRing([0, 0, 0], [0, 0, 1], 0.5, 1.0, 0.2), cube))])
+    path = str(tmp_path / "vortex.vdb")
+    octetvdb.bake(asset, path, voxel_size=0.05)
+    empty = octetvdb.ControlAsset(octetvdb.box_cage([-0.8] * 3, [0.8] * 3, 0.4), name="small")
+    errors = [octetvdb.sample_velocity(empty, [path], corrections=n)[1][0].error for n in (0, 3)]
+    assert errors[1] < 0.8 * errors[0]
+    for corrections in (-1, 21):
+        with pytest.raises(octetvdb.InputError, match="corrections"):
+            octetvdb.sample_velocity(empty, [path], corrections=corrections)
+
+
 def test_sampling_a_baked_flow_gives_it_back(tmp_path, cube):
     flux = octetvdb.integrate(octetvdb.UniformFlow([1, 2, 3]), cube)
     asset = octetvdb.ControlAsset(cube, [octetvdb.Form(cube, "wind", 2, flux)])

@@ -58,7 +58,7 @@ def test_derivative_of_derivative_is_zero(lattice, degree):
         c.derivative(3, np.zeros(c.cell_count))
 
 
-@pytest.mark.parametrize("boundary", ["walls", "open"])
+@pytest.mark.parametrize("boundary", ["walls", "open", "expansion"])
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_refinement_commutes_with_the_derivative(lattice, degree, boundary):
     refiner = octetvdb.Refiner(lattice, 2)
@@ -182,6 +182,24 @@ def test_bad_assets_are_refused(tmp_path, box, lattice):
     assert isinstance(caught.value, ValueError) and isinstance(caught.value, octetvdb.Error)
 
 
+@pytest.mark.parametrize("boundary", ["projection", "expansion"])
+def test_boundary_methods_keep_a_constant_flow(lattice, boundary):
+    refiner = octetvdb.Refiner(lattice, 1)
+    velocity = np.array([1.0, -2.0, 0.5])
+
+    def fluxes(complex, x):
+        a, b, c = (x[complex.facets[:, k]] for k in range(3))
+        return np.cross(b - a, c - a) @ velocity / 2
+
+    coarse = fluxes(lattice.complex, np.asarray(refiner.positions(0)))
+    fine = refiner.refine(2, coarse, boundary)
+    x = np.asarray(refiner.positions(boundary=boundary))
+    assert np.abs(fine - fluxes(refiner.complex(), x)).max() < 1e-12
+    assert np.abs(x - refiner.positions()).max() > 1e-3  # they do not shrink
+    vectors, inside = refiner.field(2, coarse, boundary).sample(x.mean(axis=0, keepdims=True))
+    assert inside.all() and np.allclose(vectors, velocity, atol=1e-10)
+
+
 def grids_of(path):
     """Everything a .vdb stores: transform, metadata without statistics, active values."""
     result = {}
@@ -196,6 +214,8 @@ def grids_of(path):
     {}, {"target": "blender"}, {"target": "houdini", "half": True}, {"grid": "staggered"},
     {"reconstruction": "whitney"}, {"grid": "staggered", "method": "samples"},
     {"method": "conservative"}, {"project": True}, {"boundary": "open", "levels": 1}, {"zeta": -6.0},
+    {"boundary": "simple", "grid": "staggered"}, {"boundary": "projection"},
+    {"boundary": "expansion", "grid": "staggered"},
 ])
 def test_bakes_equal_the_command_line_s(tmp_path, flow_asset, options):
     control = str(tmp_path / "a.octet.json")
