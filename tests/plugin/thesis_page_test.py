@@ -32,7 +32,17 @@ class Page(unittest.TestCase):
         self.assertEqual(list(sections), FIGURES)
         for number, section in sections.items():
             self.assertIn("<b>Caption, in short:</b>", section, number)
-            self.assertRegex(section, r'<p class="(holds|does not hold|note)">', number)
+            findings = re.findall(r'<p class="(?:holds|does not hold|note)"><b>[^<]*</b>(.*?)</p>',
+                                  section)
+            self.assertTrue(findings, number)
+            for finding in findings:
+                self.assertRegex(finding, r"[0-9]", number)
+
+    def test_guesses_are_told(self):
+        told = re.findall(r'<h2 id="([^"]+)">(?:(?!<h2 ).)*?<p class="guess">', self.page, re.S)
+        self.assertLessEqual({"4.15", "4.19", "5.6", "5.7", "5.17"}, set(told))
+        for number in told:
+            self.assertIn(f'<a href="#{number}">', self.page[:self.page.index("<h2 ")])
 
     def test_every_picture_is_there(self):
         pictures = re.findall(r'<img src="([^"]+)"', self.page)
