@@ -15,9 +15,9 @@ namespace py = pybind11;
 /// @throws py::type_error when it is neither None nor callable
 ProgressCallback progressCallback(const py::object& callable);
 
-/// Runs `work` without the GIL.
+/// Runs `work` without the GIL; returns what it returns, references too.
 template <typename Work>
-auto withoutGil(const Work& work) {
+decltype(auto) withoutGil(const Work& work) {
   const py::gil_scoped_release released;
   return work();
 }
