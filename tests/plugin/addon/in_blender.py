@@ -498,10 +498,15 @@ def check_bake_is_the_library_s_flow():
     # Points on the walls may fall to either side in the last digit.
     deep = inside & (np.abs(points) < 1 - 1e-6).all(axis=1)
     assert deep.sum() > 0.8 * len(points)
-    error = np.abs(values - expected)[deep].max() / np.linalg.norm(expected, axis=1).max()
-    assert error < TOLERANCE_OF_VALUES, error
-    # The volume lies where the cage is, also when the cage moves.
+    error = np.linalg.norm(values - expected, axis=1)
+    error /= np.linalg.norm(expected, axis=1).max()
+    # Samples along the walls; inside, means near them that leave no divergence.
     size = info.voxel_size
+    at_wall = deep & (np.abs(points) > 1 - 1.5 * size).any(axis=1)
+    assert at_wall.sum() > 0.1 * len(points)
+    assert error[at_wall].max() < TOLERANCE_OF_VALUES, error[at_wall].max()
+    assert np.sqrt(np.mean(error[deep]**2)) < 0.02, np.sqrt(np.mean(error[deep]**2))
+    # The volume lies where the cage is, also when the cage moves.
     for move in ((0, 0, 0), (4, -2, 1)):
         cage.location = move
         bpy.context.view_layer.update()
