@@ -15,7 +15,8 @@ install_packages() {
 
 # What the library and the command need.
 BUILD_PACKAGES=(g++ cmake ninja-build libtbb-dev libeigen3-dev libspectra-dev libopenvdb-dev
-  libboost-iostreams-dev nlohmann-json3-dev libcli11-dev libgmsh-dev libassimp-dev)
+  libboost-iostreams-dev nlohmann-json3-dev libcli11-dev libgmsh-dev libcgal-dev
+  libassimp-dev)
 # What streamlines and pictures need.
 BUILD_PACKAGES+=(libboost-dev libcairo2-dev libembree-dev libopenexr-dev)
 # What the tests need besides.

@@ -6,12 +6,11 @@
 
 #include <octet/core/base/error.h>
 #include <octet/core/base/parallel.h>
-#include <octet/core/cage/half_edges.h>
 #include <octet/core/cage/nesting.h>
-#include <octet/core/cage/remesh.h>
 
 #include "child_process.h"
 #include "gmsh_volumes.h"
+#include "remesh.h"
 
 namespace octet {
 namespace {
@@ -149,8 +148,7 @@ class TetrahedraFill {
       remeshing.progress = options_.progress;
       boundary_ = remesh(given_, remeshing);
     } else {
-      const HalfEdges manifold(given_, sharp);  // or it throws
-      boundary_ = {given_, sharp.edges, sharp.corners};
+      boundary_ = {oriented(given_), sharp.edges, sharp.corners};
     }
     report_.creaseLength = lengthOf(boundary_.surface, boundary_.creases);
     parts_ = surfaceParts(boundary_.surface);

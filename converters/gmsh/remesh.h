@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../base/progress.h"
-#include "sharp_edges.h"
+#include <octet/core/base/progress.h>
+#include <octet/core/cage/sharp_edges.h>
 
 namespace octet {
 
@@ -18,23 +18,29 @@ struct RemeshedSurface {
   std::vector<Index> corners;                 ///< its vertices on corners of these, ascending
 };
 
-/// @brief Triangles about as large as wanted for a closed surface, whatever its own are: edges are
-/// split, collapsed and turned, and vertices moved along the surface, until edges are about as long
-/// as wanted (M. Botsch, L. Kobbelt, A remeshing approach to multiresolution modeling, 2004).
+/// @brief The surface with triangles turned to agree with their neighbours.
+/// @throws InputError for edges without two triangles, vertices at which the surface touches
+/// itself, and one-sided surfaces
+TriangleSurface oriented(const TriangleSurface& surface);
+
+/// @brief Triangles about as large as wanted for a closed surface, whatever its own are, by CGAL:
+/// edges are split, collapsed and turned, and vertices moved along the surface, until edges are
+/// about as long as wanted (M. Botsch, L. Kobbelt, A remeshing approach to multiresolution
+/// modeling, 2004).
 ///
 /// Vertices lie on the surface given, to rounding. Sharp edges stay, but for connected ones shorter
 /// than two edges: their corners are vertices, and vertices on them move along them only. Triangles
-/// come out oriented like their neighbours; where the surface is finer than the wanted edges, as
-/// around thin parts, they stay smaller. Deterministic, one thread but for searches. That the
-/// result does not intersect itself is for findSelfIntersection to tell.
-/// @throws InputError for edges without two triangles, vertices at which the surface touches
-/// itself, and one-sided surfaces; Cancelled
+/// come out as `oriented`; where the surface is finer than the wanted edges, as around thin parts,
+/// they stay smaller. Deterministic, one thread but for searches. That the result does not
+/// intersect itself is for findSelfIntersection to tell.
+/// @throws InputError as oriented; Cancelled
 RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options);
 
 /// @brief The surface without triangles so flat that their normals, and with these the sharp edges
 /// at them, are rounding, such as CAD programs write: edges of no length are collapsed, and long
-/// edges that run past a vertex turned. No vertex moves. Where that is not possible triangles stay.
-/// @throws InputError as remesh
+/// edges that run past a vertex turned, by CGAL. No vertex moves. Where that is not possible
+/// triangles stay.
+/// @throws InputError as oriented
 TriangleSurface withoutSlivers(const TriangleSurface& surface);
 
 }  // namespace octet

@@ -6,9 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <octet/converters/gmsh/remesh.h>
 #include <octet/core/base/error.h>
-#include <octet/core/cage/half_edges.h>
-#include <octet/core/cage/remesh.h>
 
 #include "tests/support/meshes.h"
 #include "tests/support/surfaces.h"
@@ -126,6 +125,31 @@ TEST(Remesh, FollowsCurvedSharpEdgesWithChords) {
   EXPECT_NEAR(creaseLength(r), 4 * M_PI, 0.03);
 }
 
+/// Two flat pyramids on an octagon: sharp edges meet in twos at its corners, where they turn by 45
+/// degrees.
+TEST(Remesh, KeepsCornersOfTwoSharpEdges) {
+  TriangleSurface surface;
+  constexpr Index n = 8;
+  for (Index k = 0; k < n; ++k) {
+    const double angle = 2 * M_PI * k / n;
+    surface.vertices.push_back(Vec3(std::cos(angle), std::sin(angle), 0));
+    surface.triangles.push_back({k, (k + 1) % n, n});
+    surface.triangles.push_back({(k + 1) % n, k, n + 1});
+  }
+  surface.vertices.push_back(Vec3(0, 0, 0.5));
+  surface.vertices.push_back(Vec3(0, 0, -0.5));
+  for (const double edge : {0.35, 0.12}) {
+    RemeshOptions options;
+    options.edgeLength = edge;
+    const RemeshedSurface r = remesh(surface, options);
+    EXPECT_EQ(r.corners.size(), 8u);
+    EXPECT_NEAR(creaseLength(r), 2 * n * std::sin(M_PI / n), 1e-12);
+    for (const auto& crease : r.creases) {
+      for (const Index v : crease) EXPECT_EQ(r.surface.vertices[v][2], 0);
+    }
+  }
+}
+
 TEST(Remesh, DoesNotDependOnOrientation) {
   TriangleSurface turned = bunnyLike();
   const auto random = randomValues(static_cast<Index>(turned.triangles.size()), 4);
@@ -152,11 +176,11 @@ TEST(Remesh, RefusesWhatIsNoManifold) {
   const auto two = [](const Vec3& at) {
     return welded(joined(cube(), boxSurface(boxOf(at, at + Vec3(1, 1, 1)))));
   };
-  refused(two(Vec3(1, 1, 0)), "does not have two triangles");
+  refused(two(Vec3(1, 1, 0)), "instead of two triangles");
   refused(two(Vec3(1, 1, 1)), "touches itself");
   TriangleSurface open = cube();
   open.triangles.pop_back();
-  refused(open, "does not have two triangles");
+  refused(open, "not closed");
   // Klein's bottle: rows of a torus, joined back to front.
   constexpr int n = 12;
   TriangleSurface bottle;
@@ -226,29 +250,26 @@ TEST(SharpEdges, OfACylinderAreTwoRingsUnlessTheyAreShort) {
   EXPECT_TRUE(findSharpEdges(surface, kSharpAngle, 6.3).edges.empty());
 }
 
-/// Random splits, flips and collapses leave a closed manifold of the same kind.
-TEST(HalfEdges, StayAManifold) {
-  const TriangleSurface surface = torus();
-  HalfEdges mesh(surface, {});
-  const auto random = randomValues(6000, 7);
-  std::vector<Vec3> positions(surface.vertices.begin(), surface.vertices.end());
-  for (const double r : random) {
-    const auto h = static_cast<Index>((r + 1) / 2 * (mesh.count() - 1));
-    if (!mesh.alive(h)) continue;
-    const int action = static_cast<int>(std::abs(r) * 1e6) % 3;
-    if (action == 0) {
-      mesh.split(h);
-      positions.push_back(Vec3::Zero());
-    } else if (action == 1 && mesh.canFlip(h)) {
-      mesh.flip(h);
-    } else if (action == 2 && mesh.canCollapse(h)) {
-      mesh.collapse(h);
-    }
+TEST(Remesh, IsDeterministic) {
+  RemeshOptions options;
+  options.edgeLength = 0.2;
+  const TriangleSurface surface = cylinder(1, 2, 128);
+  const RemeshedSurface first = remesh(surface, options), second = remesh(surface, options);
+  EXPECT_EQ(first.surface.triangles, second.surface.triangles);
+  EXPECT_EQ(first.surface.vertices, second.surface.vertices);
+  EXPECT_EQ(first.creases, second.creases);
+}
+
+TEST(Oriented, TrianglesAgreeWithTheirNeighbours) {
+  TriangleSurface turned = torus();
+  const auto random = randomValues(static_cast<Index>(turned.triangles.size()), 7);
+  for (std::size_t t = 0; t < random.size(); ++t) {
+    if (random[t] < 0) std::swap(turned.triangles[t][0], turned.triangles[t][1]);
   }
-  std::vector<std::array<Index, 2>> creases;
-  const TriangleSurface changed = mesh.surface(positions, &creases);
-  EXPECT_NO_THROW(HalfEdges(changed, {}));
-  EXPECT_EQ(euler(changed), 0);
+  const TriangleSurface result = oriented(turned);
+  EXPECT_EQ(result.vertices, turned.vertices);
+  EXPECT_NEAR(std::abs(result.volume()), std::abs(torus().volume()), 1e-12);
+  EXPECT_GT(std::abs(std::abs(turned.volume()) - std::abs(torus().volume())), 0.1);
 }
 
 }  // namespace
