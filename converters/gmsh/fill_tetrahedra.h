@@ -30,8 +30,8 @@ struct TetrahedraReport {
 /// @brief A control mesh of tetrahedra that fills a closed surface, by Gmsh.
 ///
 /// The boundary is the surface itself where its edges are about as long as the spacing, else the
-/// surface remeshed at the spacing (remesh.h); its vertices lie on the surface, its creases follow
-/// the surface's sharp edges, and corners of these are corners. A part of the surface within
+/// surface remeshed at the spacing by CGAL (remesh.h); its vertices lie on the surface, its creases
+/// follow the surface's sharp edges, and corners of these are corners. A part of the surface within
 /// another is a cavity, one within a cavity a body again, whichever way the triangles are oriented.
 /// Gmsh runs in a child process, limited in time and memory (gmsh_volumes.h).
 /// @throws InputError for a surface that is not closed, intersects or touches itself, or encloses

@@ -23,7 +23,8 @@ using Mesh = CGAL::Surface_mesh<Point>;
 using Vertex = Mesh::Vertex_index;
 using Edge = Mesh::Edge_index;
 
-/// Of 5 to 12 rounds with 1 to 10 steps each, those that left no small angles on any test surface.
+/// Of 5 and 10 rounds with 1, 2, 3 and 5 steps each, those with the best dihedral angles of
+/// tetrahedra: 19 to 145 degrees in ten bodies.
 constexpr int kRounds = 10;
 constexpr unsigned kRelaxationSteps = 2;
 
@@ -35,14 +36,14 @@ constexpr double kCap = -1 + 8 / (kNeedle * kNeedle);
 Vec3 vec(const Point& p) { return Vec3(p.x(), p.y(), p.z()); }
 Point point(const Vec3& p) { return Point(p[0], p[1], p[2]); }
 
-/// Refuses what CGAL would cut apart to orient it.
+/// Refuses edges with more than two triangles, and notes the vertices that CGAL duplicates.
 struct Orientation : pmp::Default_orientation_visitor {
-  std::vector<Index>* original;  // of each vertex that CGAL adds
+  std::vector<Index>* original;  // of each duplicate
 
   void non_manifold_edge(std::size_t a, std::size_t b, std::size_t triangles) {
     throw InputError("vertices[" + std::to_string(a) + "]",
                      "edge (" + std::to_string(a) + "," + std::to_string(b) + ") has " +
-                         std::to_string(triangles) + " triangles instead of two triangles");
+                         std::to_string(triangles) + " instead of two triangles");
   }
   void duplicated_vertex(std::size_t v, std::size_t) { original->push_back(static_cast<Index>(v)); }
 };
@@ -163,23 +164,11 @@ class Remesher {
 
 TriangleSurface oriented(const TriangleSurface& surface) {
   checkClosed(surface);
-  std::vector<Point> points;
-  for (const Vec3& p : surface.vertices) points.push_back(point(p));
-  std::vector<std::vector<std::size_t>> polygons;
-  for (const auto& [a, b, c] : surface.triangles) {
-    polygons.push_back(
-        {static_cast<std::size_t>(a), static_cast<std::size_t>(b), static_cast<std::size_t>(c)});
-  }
   std::vector<Index> original;
   Orientation visitor;
   visitor.original = &original;
-  pmp::orient_polygon_soup(points, polygons, parameters::visitor(visitor));
-  TriangleSurface result;
-  for (const Point& p : points) result.vertices.push_back(vec(p));
-  for (const auto& polygon : polygons) {
-    auto& triangle = result.triangles.emplace_back();
-    std::copy(polygon.begin(), polygon.end(), triangle.begin());
-  }
+  TriangleSurface result = surface;
+  pmp::orient_polygon_soup(result.vertices, result.triangles, parameters::visitor(visitor));
   if (original.empty()) return result;
   const std::string place = "vertices[" + std::to_string(original.front()) + "]";
   if (CGAL::is_closed(meshOf(result))) throw InputError(place, "the surface touches itself here");
