@@ -78,7 +78,15 @@ GmshApi::GmshApi() {
 }
 
 void GmshApi::initialize() {
-  OCTET_GMSH(gmshInitialize, 0, nullptr, /*readConfigFiles=*/0);
+  const auto start = [this](auto* function) {
+    using Function = std::remove_pointer_t<decltype(function)>;
+    if constexpr (std::is_invocable_v<Function*, int, char**, int, int*>) {
+      call<Function>("gmshInitialize", 0, nullptr, /*readConfigFiles=*/0);
+    } else {  // later than 4.8, as in Ubuntu
+      call<Function>("gmshInitialize", 0, nullptr, /*readConfigFiles=*/0, /*run=*/0);
+    }
+  };
+  start(static_cast<decltype(gmshInitialize)*>(nullptr));
   setOption("General.Terminal", 0);
   call<decltype(gmshLoggerStart)>("gmshLoggerStart");
 }
