@@ -9,6 +9,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "../base/disjoint_sets.h"
 #include "../topology/boundary.h"
 #include "../topology/control_mesh.h"
 
@@ -81,28 +82,8 @@ Extremes measureCells(const Complex& c, const Array<Vec3>& x) {
       });
 }
 
-class Parts {
- public:
-  explicit Parts(Index count) : parent_(count) {
-    for (Index k = 0; k < count; ++k) parent_[k] = k;
-  }
-  Index root(Index k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-  void join(Index a, Index b) { parent_[root(a)] = root(b); }
-  Index count() {
-    Index n = 0;
-    for (Index k = 0; k < static_cast<Index>(parent_.size()); ++k) n += parent_[k] == k;
-    return n;
-  }
-
- private:
-  std::vector<Index> parent_;
-};
-
 Index countComponents(const Complex& c) {
-  Parts parts(c.cellCount());
+  DisjointSets parts(c.cellCount());
   for (const auto& [a, b] : c.facetCells) {
     if (a.exists() && b.exists()) parts.join(a.cell(), b.cell());
   }
@@ -141,7 +122,7 @@ Index countTouchingVertices(const Complex& c) {
   std::sort(atEdges.begin(), atEdges.end(), [](const Corner& a, const Corner& b) {
     return std::tie(a.edge, a.vertex, a.corner) < std::tie(b.edge, b.vertex, b.corner);
   });
-  Parts parts(static_cast<Index>(vertexOf.size()));
+  DisjointSets parts(static_cast<Index>(vertexOf.size()));
   for (std::size_t k = 0; k + 1 < atEdges.size(); ++k) {
     const Corner &a = atEdges[k], &b = atEdges[k + 1];
     if (a.edge == b.edge && a.vertex == b.vertex) parts.join(a.corner, b.corner);
@@ -149,7 +130,7 @@ Index countTouchingVertices(const Complex& c) {
   Array<std::uint8_t> rings;
   rings.assign(c.vertexCount(), 0);
   for (Index k = 0; k < static_cast<Index>(vertexOf.size()); ++k) {
-    if (parts.root(k) == k) rings[vertexOf[k]] += rings[vertexOf[k]] < 2;
+    if (parts.find(k) == k) rings[vertexOf[k]] += rings[vertexOf[k]] < 2;
   }
   return static_cast<Index>(std::count(rings.begin(), rings.end(), 2));
 }

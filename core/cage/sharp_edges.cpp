@@ -7,6 +7,8 @@
 
 #include <tbb/parallel_sort.h>
 
+#include "../base/disjoint_sets.h"
+
 namespace octet {
 namespace {
 
@@ -19,22 +21,6 @@ struct Side {
     return std::tie(low, high, triangle) < std::tie(o.low, o.high, o.triangle);
   }
   bool sameEdge(const Side& o) const { return low == o.low && high == o.high; }
-};
-
-/// Sets of numbers that have been joined, each found by one of them.
-class Roots {
- public:
-  explicit Roots(std::size_t count) : parent_(count) {
-    for (std::size_t k = 0; k < count; ++k) parent_[k] = static_cast<Index>(k);
-  }
-  Index find(Index k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-  void join(Index a, Index b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<Index> parent_;
 };
 
 class Finder {
@@ -90,7 +76,7 @@ class Finder {
 
   /// Drops what is connected and short.
   void dropShort() {
-    Roots roots(s_.vertices.size());
+    DisjointSets roots(static_cast<Index>(s_.vertices.size()));
     for (const auto& [a, b] : out_.edges) roots.join(a, b);
     std::vector<double> lengths(s_.vertices.size(), 0.0);
     for (const auto& edge : out_.edges) lengths[roots.find(edge[0])] += length(edge);
@@ -107,7 +93,7 @@ class Finder {
       for (const Index v : out_.edges[e]) ends_.push_back({v, static_cast<Index>(e)});
     }
     std::sort(ends_.begin(), ends_.end());
-    inChain_ = Roots(out_.edges.size());
+    inChain_ = DisjointSets(static_cast<Index>(out_.edges.size()));
   }
 
   Vec3 direction(Index edge, Index from) const {
@@ -141,7 +127,7 @@ class Finder {
   const double leastCosine_, leastLength_;
   SharpEdges out_;
   std::vector<std::array<Index, 2>> ends_;  // vertex, edge
-  Roots inChain_{0};                        // of edges
+  DisjointSets inChain_{0};                 // of edges
 };
 
 }  // namespace

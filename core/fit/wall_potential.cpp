@@ -3,8 +3,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <numeric>
 
+#include "../base/disjoint_sets.h"
 #include "../base/error.h"
 
 namespace octet {
@@ -12,27 +12,6 @@ namespace {
 
 /// A closed part's flux may miss 0 by this much, relative to what passes through it.
 constexpr double kBalanced = 1e-9;
-
-class DisjointSets {
- public:
-  explicit DisjointSets(Index n) : parent_(static_cast<std::size_t>(n)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  Index find(Index k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-  /// False when they were one set already.
-  bool join(Index a, Index b) {
-    a = find(a);
-    b = find(b);
-    parent_[a] = b;
-    return a != b;
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 /// Finds the parametrisation; the steps in order.
 class Builder {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 #include <mutex>
-#include <numeric>
 
+#include "../base/disjoint_sets.h"
 #include "../forms/coboundary.h"
 #include "coboundary_matrix.h"
 #include "constrained_minimum.h"
@@ -19,22 +19,6 @@ namespace {
 /// Largest |d A - w| over the largest |w| that is rounding; forms that count as closed may leave
 /// their own openness over.
 constexpr double kExact = 1e-8;
-
-/// Sets of numbers that grow together.
-class DisjointSets {
- public:
-  explicit DisjointSets(Index n) : parent_(static_cast<std::size_t>(n)) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  Index find(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index a, Index b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<Index> parent_;
-};
 
 }  // namespace
 

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <map>
-#include <mutex>
 #include <string>
 
 #include <octet/core/base/error.h>
@@ -18,6 +16,7 @@
 #include <octet/core/hodge/flux_rasterizer.h>
 
 #include "tests/support/meshes.h"
+#include "tests/support/voxels.h"
 
 namespace octet::bench {
 namespace {
@@ -25,8 +24,9 @@ namespace {
 constexpr int kDeeper = 3;
 constexpr int kQuadrature = 8;
 
-using Ijk = std::array<std::int32_t, 3>;
-using Values = std::map<Ijk, Vec3>;
+using testing::activeVoxels;
+using testing::Ijk;
+using Values = testing::VoxelValues;
 
 /// Operators of a level, for all forms on it.
 struct Level {
@@ -89,24 +89,8 @@ std::vector<Flow> flowsOn(const ControlMesh& mesh) {
           {"smooth, open", smooth, BoundaryMode::Open}};
 }
 
-/// Runs a rasteriser and keeps its active voxels.
-template <typename Rasterize>
-Values voxels(const Rasterize& rasterizeTo) {
-  Values values;
-  std::mutex mutex;
-  rasterizeTo([&](const Tile<3>& tile) {
-    const std::lock_guard<std::mutex> lock(mutex);
-    for (int n = 0; n < Tile<3>::kSize; ++n) {
-      if (!tile.isActive(n)) continue;
-      values[{tile.origin[0] + n / 64, tile.origin[1] + n / 8 % 8, tile.origin[2] + n % 8}] =
-          Vec3(tile.values[0][n], tile.values[1][n], tile.values[2][n]);
-    }
-  });
-  return values;
-}
-
 Values samples(const PieceSource<3>& source, const GridFrame& frame, Sampling sampling) {
-  return voxels([&](const auto& sink) { rasterize<3>(source, frame, sampling, sink); });
+  return activeVoxels([&](const auto& sink) { rasterize<3>(source, frame, sampling, sink); });
 }
 
 struct Error {
@@ -170,7 +154,7 @@ void collocated(const char* mesh, const Flow& flow, const Level& level, const Le
   std::printf("| %s | %s |", mesh, flow.name);
   for (const double ratio : kCollocatedRatios) {
     const GridFrame frame = frameOf(level, ratio);
-    const Values means = voxels([&](const auto& sink) {
+    const Values means = activeVoxels([&](const auto& sink) {
       rasterizeMeanFluxes(potential, frame, neighbourWeight(ratio), sink);
     });
     const Values truth = samples(reference.source(), frame, Sampling::Collocated);
@@ -194,7 +178,8 @@ void staggered(const char* mesh, const Flow& flow, const Level& level, const Lev
     const Values truth = samples(reference.source(), frame, Sampling::Staggered);
     const Values where = inMiddle(truth, reference.bounds(), frame);
     const auto errorOf = [&](const PotentialField& field) {
-      const Values fluxes = voxels([&](const auto& sink) { rasterizeFluxes(field, frame, sink); });
+      const Values fluxes =
+          activeVoxels([&](const auto& sink) { rasterizeFluxes(field, frame, sink); });
       return error(fluxes, truth, where).rms;
     };
     std::printf(" %.2g, %.2g |", errorOf(deepPotential), errorOf(potential));

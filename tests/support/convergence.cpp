@@ -3,14 +3,12 @@
 
 #include <cmath>
 #include <functional>
-#include <map>
-#include <mutex>
 
 #include <octet/converters/control_asset/control_asset.h>
-#include <octet/core/field/rasterizer.h>
 #include <octet/core/forms/de_rham.h>
 
 #include "meshes.h"
+#include "voxels.h"
 
 namespace octet::testing {
 namespace {
@@ -19,8 +17,6 @@ constexpr int kDeeper = 3;
 constexpr int kVoxels = 48;  // along the mesh' longest side
 constexpr int kMargin = kVoxels / 6;
 constexpr int kQuadrature = 8;
-
-using Values = std::map<std::array<std::int32_t, 3>, Vec3>;
 
 /// Turns about half around over the mesh' size, in each direction.
 Vec3 smoothField(const Vec3& x) {
@@ -54,22 +50,13 @@ Cochain<K> sampledForm(const ControlMesh& mesh, const Box& bounds, BoundaryMode 
   return form;
 }
 
-Values voxels(const VectorField& field, const GridFrame& frame) {
-  Values values;
-  std::mutex mutex;
-  rasterize<3>(field.source(), frame, Sampling::Collocated, [&](const Tile<3>& tile) {
-    const std::lock_guard<std::mutex> lock(mutex);
-    for (int n = 0; n < Tile<3>::kSize; ++n) {
-      if (!tile.isActive(n)) continue;
-      values[{tile.origin[0] + n / 64, tile.origin[1] + n / 8 % 8, tile.origin[2] + n % 8}] =
-          Vec3(tile.values[0][n], tile.values[1][n], tile.values[2][n]);
-    }
-  });
-  return values;
+VoxelValues voxels(const VectorField& field, const GridFrame& frame) {
+  return activeVoxels(
+      [&](const auto& sink) { rasterize<3>(field.source(), frame, Sampling::Collocated, sink); });
 }
 
 /// Are there voxels kMargin away in all six directions?
-bool isInside(const Values& values, const std::array<std::int32_t, 3>& ijk) {
+bool isInside(const VoxelValues& values, const Ijk& ijk) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const int step : {-kMargin, kMargin}) {
       auto other = ijk;
@@ -84,8 +71,8 @@ bool isInside(const Values& values, const std::array<std::int32_t, 3>& ijk) {
 struct Series {
   int degree;
   BoundaryMode mode;
-  std::function<Values(const Refiner&, const Limit&, Reconstruction)> valuesOn;
-  std::vector<Values> limit, whitney;
+  std::function<VoxelValues(const Refiner&, const Limit&, Reconstruction)> valuesOn;
+  std::vector<VoxelValues> limit, whitney;
 };
 
 template <int K>
@@ -98,7 +85,7 @@ Series makeSeries(const ControlMesh& mesh, const Box& bounds, const GridFrame& f
   return {K, mode, valuesOn, {}, {}};
 }
 
-VoxelError compare(const Values& values, const Values& reference) {
+VoxelError compare(const VoxelValues& values, const VoxelValues& reference) {
   double difference[2] = {}, size[2] = {};
   for (const auto& [ijk, value] : values) {
     const auto exact = reference.find(ijk);
@@ -150,7 +137,7 @@ std::vector<Convergence> convergence(const ControlMesh& mesh, int levels) {
   for (const Series& s : series) {
     Convergence c{s.degree, s.mode, {}, {}};
     for (int level = 0; level < levels; ++level) {
-      const Values& reference = s.limit[level + kDeeper];
+      const VoxelValues& reference = s.limit[level + kDeeper];
       c.limit.push_back(compare(s.limit[level], reference));
       c.whitney.push_back(compare(s.whitney[level], reference));
     }

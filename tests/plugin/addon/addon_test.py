@@ -6,6 +6,7 @@ Arguments: the add-on's zip, the octetvdb command. PYTHONPATH names the build tr
 With OCTETVDB_SCREENSHOT=file the panel's picture is kept; with OCTETVDB_UPDATE_GOLDEN=1 the golden
 picture is replaced.
 """
+import glob
 import os
 import re
 import shutil
@@ -63,8 +64,10 @@ class Addon(unittest.TestCase):
         self.assertEqual(set(re.findall(r"^PASSED (\w+)", output, re.M)), set(names))
 
     def test_1_headless(self):
-        with open(os.path.join(HERE, "in_blender.py")) as file:
-            checks = re.findall(r"^def check_(\w+)", file.read(), re.M)
+        checks = []
+        for room in glob.glob(os.path.join(HERE, "checks", "*.py")):
+            with open(room) as file:
+                checks += re.findall(r"^def check_(\w+)", file.read(), re.M)
         self.assertGreater(len(checks), 15)
         output = self.blender("in_blender.py", ZIP, self.folder("files"))
         self.assert_all_passed(output, checks)
