@@ -8,6 +8,7 @@
 #include <octet/core/base/parallel.h>
 #include <octet/core/field/vertex_field.h>
 #include <octet/core/forms/coboundary.h>
+#include <octet/core/forms/with_degree.h>
 #include <octet/core/geometry/mean_edge.h>
 #include <octet/core/hodge/flux_rasterizer.h>
 
@@ -48,24 +49,14 @@ void FormBaker::Job::say(const std::string& more) {
 
 VdbGridInfo FormBaker::bake(const Form& form, const std::string& gridName, std::optional<int> frame,
                             VdbFile* file) const {
-  const auto with = [&](auto degree) {
+  return withDegree(form.degree, [&](auto degree) {
     constexpr int K = decltype(degree)::value;
     const Job job{form, gridName, frame.value_or(0), file};
     if constexpr (K < 3) {
       if (options_.derivative) return bakeDerivative<K>(job);
     }
     return bakeForm<K>(job);
-  };
-  switch (form.degree) {
-    case 0:
-      return with(std::integral_constant<int, 0>{});
-    case 1:
-      return with(std::integral_constant<int, 1>{});
-    case 2:
-      return with(std::integral_constant<int, 2>{});
-    default:
-      return with(std::integral_constant<int, 3>{});
-  }
+  });
 }
 
 template <int K>

@@ -7,6 +7,7 @@
 
 #include <octet/converters/control_asset/refined_document.h>
 #include <octet/core/field/field.h>
+#include <octet/core/forms/with_degree.h>
 
 /// @file
 /// One function per room of the library; each adds its classes and functions to the module.
@@ -32,24 +33,6 @@ struct MeshForm {
   std::shared_ptr<const ControlMesh> mesh;
   Form form;
 };
-
-/// Calls `use(integral_constant<int, K>)` with the degree as a constant.
-/// @throws InputError when it is none of 0 to 3
-template <typename Use>
-auto withDegree(int degree, const Use& use) {
-  switch (degree) {
-    case 0:
-      return use(std::integral_constant<int, 0>{});
-    case 1:
-      return use(std::integral_constant<int, 1>{});
-    case 2:
-      return use(std::integral_constant<int, 2>{});
-    case 3:
-      return use(std::integral_constant<int, 3>{});
-    default:
-      throw InputError("degree", std::to_string(degree) + " is not 0, 1, 2 or 3");
-  }
-}
 
 /// "auto", "walls" or "open".
 BoundaryChoice boundaryChoice(const std::string& name);
