@@ -11,11 +11,12 @@
 #include <octet/converters/gmsh/child_process.h>
 #include <octet/converters/gmsh/gmsh_import.h>
 #include <octet/core/base/error.h>
+#include "tests/support/test_data.h"
 
 namespace octet {
 namespace {
 
-std::string dataFile(const std::string& name) { return OCTET_TEST_DATA "/gmsh/" + name; }
+std::string dataFile(const std::string& name) { return testing::testData("gmsh/" + name); }
 
 class EveryFormat : public ::testing::TestWithParam<const char*> {};
 

@@ -13,6 +13,7 @@
 #include <octet/converters/picture/canvas.h>
 #include <octet/converters/picture/picture.h>
 #include <octet/core/base/error.h>
+#include "tests/support/test_data.h"
 
 namespace octet {
 namespace {
@@ -72,7 +73,7 @@ const Subject& box() {
   static const Subject subject = [] {
     AssetSubjectOptions options;
     options.levels = 2;
-    return assetSubject(readControlAsset(OCTET_TEST_DATA "/../../samples/box/box.octet.json"),
+    return assetSubject(readControlAsset(testing::testData("../../samples/box/box.octet.json")),
                         options);
   }();
   return subject;
@@ -120,7 +121,7 @@ Raster draw(const PictureOptions& options) {
 
 void checkGolden(const std::string& name, const PictureOptions& options,
                  const std::vector<PictureOptions>& changed) {
-  const std::string path = OCTET_TEST_DATA "/golden/" + name + ".png";
+  const std::string path = testing::testData("golden/" + name + ".png");
   if (std::getenv("OCTETVDB_WRITE_GOLDEN")) writePicture(box(), options, path);
   const Raster golden = readPng(path);
   ASSERT_FALSE(golden.pixels.empty()) << path;

@@ -15,6 +15,7 @@
 
 #include <octet/converters/control_asset/control_asset.h>
 #include <octet/core/refine/refiner.h>
+#include "tests/support/test_data.h"
 
 namespace octet {
 namespace {
@@ -165,7 +166,7 @@ TEST_P(Reference, AgreesThroughTheCommand) {
 
 std::vector<std::string> files() {
   std::vector<std::string> list;
-  for (const auto& entry : fs::directory_iterator(OCTET_TEST_DATA "/reference")) {
+  for (const auto& entry : fs::directory_iterator(testing::testData("reference"))) {
     if (entry.path().extension() == ".cbor") list.push_back(entry.path().string());
   }
   std::sort(list.begin(), list.end());
@@ -183,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Files, Reference, ::testing::ValuesIn(files()), [](cons
 TEST(ReferenceData, HoldsEveryKindOfMeshLevelModeAndDegree) {
   for (const char* mesh : {"tetrahedron", "octahedron", "five_tetrahedra", "ball", "creased_cube",
                            "mixed", "lattice_block", "lattice_with_holes", "one_ring"}) {
-    const fs::path base = fs::path(OCTET_TEST_DATA "/reference") / mesh;
+    const fs::path base = fs::path(testing::testData("reference")) / mesh;
     const ControlAsset asset = readControlAsset(base.string() + ".octet");
     std::set<int> degrees;
     for (const Form& form : asset.forms) {

@@ -13,6 +13,7 @@
 #include <octet/core/refine/refiner.h>
 
 #include "tests/support/meshes.h"
+#include "tests/support/test_data.h"
 
 namespace octet {
 namespace {
@@ -21,7 +22,7 @@ using Point = std::vector<int>;
 using Simplex = std::vector<Point>;
 
 nlohmann::json readOracle(const std::string& name) {
-  std::ifstream file(std::string(OCTET_TEST_DATA) + "/oracle/" + name);
+  std::ifstream file(testing::testData("oracle/" + name));
   return nlohmann::json::parse(file);
 }
 

@@ -8,6 +8,7 @@
 #include <octet/core/forms/de_rham.h>
 
 #include "meshes.h"
+#include "test_data.h"
 #include "voxels.h"
 
 namespace octet::testing {
@@ -103,7 +104,7 @@ VoxelError compare(const VoxelValues& values, const VoxelValues& reference) {
 std::vector<ConvergenceMesh> convergenceMeshes() {
   const auto ball = [](int x, int y, int z) { return x * x + y * y + z * z <= 16; };
   return {{"lattice", ControlMesh::build(latticeBlock(ball, 4))},
-          {"Gmsh ball", readControlAsset(OCTET_TEST_DATA "/reference/ball.octet").mesh},
+          {"Gmsh ball", readControlAsset(testData("reference/ball.octet")).mesh},
           {"random ball", ControlMesh::build(randomBall(50, 3))},
           {"creased box", ControlMesh::build(creasedBox(3, 0.1, 4))}};
 }
