@@ -117,13 +117,13 @@ class OneRing {
   Int3 finePoint(Index v) const {
     const Complex& c = refiner_.complex(0);
     Index a = v, b = v;
-    if (v >= c.vertexCount() + c.edgeCount()) {
-      const auto& oct = c.octs[v - c.vertexCount() - c.edgeCount()];
-      a = oct[0];
-      b = oct[5];
-    } else if (v >= c.vertexCount()) {
-      a = c.edges[v - c.vertexCount()][0];
-      b = c.edges[v - c.vertexCount()][1];
+    const ChildOf child = c.children().vertex(v);
+    if (child.origin == Origin::Octahedron) {
+      a = c.octs[child.parent][0];
+      b = c.octs[child.parent][5];
+    } else if (child.origin == Origin::Edge) {
+      a = c.edges[child.parent][0];
+      b = c.edges[child.parent][1];
     }
     const Int3 &p = patch_.points[a], &q = patch_.points[b];
     return {p[0] + q[0], p[1] + q[1], p[2] + q[2]};

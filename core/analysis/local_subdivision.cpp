@@ -22,7 +22,7 @@ template <int K>
 std::vector<Place> places(const Complex& coarse, const Complex& fine, Index centre) {
   std::vector<Place> result(static_cast<std::size_t>(coarse.count(K)));
   coarse.visitVertexStar(centre, [&](const CellAtVertex& at) {
-    const Index child = coarse.cornerChild(fine, at.cell, at.place);
+    const Index child = coarse.children().cornerChild(at.cell, at.place);
     const int n = coarse.cellVertexCount(at.cell);
     if constexpr (K == 2) {
       for (int k = 0; k < coarse.cellFacetCount(at.cell); ++k) {

@@ -94,8 +94,9 @@ LayerProjection::Layer LayerProjection::makeLayer(Index vertex) const {
 }
 
 std::vector<Index> LayerProjection::layersAt(Index fineVertex) const {
-  if (fineVertex < c_.vertexCount()) return {boundary_.row(fineVertex)};
-  const auto& [a, b] = c_.edges[fineVertex - c_.vertexCount()];
+  const ChildOf child = c_.children().vertex(fineVertex);
+  if (child.origin == Origin::Vertex) return {boundary_.row(fineVertex)};
+  const auto& [a, b] = c_.edges[child.parent];
   return {boundary_.row(a), boundary_.row(b)};
 }
 
@@ -108,13 +109,13 @@ Eigen::Matrix3d LayerProjection::alongWall(Index fineVertex) const {
     const Vec3 area = (x_[v[1]] - x_[v[0]]).cross(x_[v[2]] - x_[v[0]]);
     if (area.norm() > 0) spread += area * area.transpose() / area.norm();
   };
-  const bool kept = fineVertex < c_.vertexCount();
-  const Index edge = kept ? kNone : fineVertex - c_.vertexCount();
-  const Index row = boundary_.row(kept ? fineVertex : c_.edges[edge][0]);
+  const ChildOf child = c_.children().vertex(fineVertex);
+  const bool kept = child.origin == Origin::Vertex;
+  const Index row = boundary_.row(kept ? fineVertex : c_.edges[child.parent][0]);
   for (auto step = boundary_.ringBegin(row); step != boundary_.ringEnd(row); ++step) {
     const auto& edges = c_.facetEdges[step->facet];
     if (kept || std::any_of(edges.begin(), edges.end(),
-                            [&](const EdgeRef& e) { return e.index() == edge; })) {
+                            [&](const EdgeRef& e) { return e.index() == child.parent; })) {
       add(step->facet);
     }
   }
@@ -142,11 +143,9 @@ void LayerProjection::placeVertices() {
   const Boundary& fineBoundary = refiner_.boundary(level_ + 1);
   parallelFor<Index>(fineBoundary.vertexCount(), [&](Index row) {
     const Index v = fineBoundary.vertices[row];
-    Vec3 linear = v < c_.vertexCount() ? x_[v] : Vec3::Zero();
-    if (v >= c_.vertexCount()) {
-      const auto& [a, b] = c_.edges[v - c_.vertexCount()];
-      linear = (x_[a] + x_[b]) / 2;
-    }
+    const ChildOf child = c_.children().vertex(v);
+    Vec3 linear = x_[child.origin == Origin::Vertex ? v : c_.edges[child.parent][0]];
+    if (child.origin == Origin::Edge) linear = (linear + x_[c_.edges[child.parent][1]]) / 2;
     const Vec3 moved = linear - fineX_[v];
     shift_[v] = moved - alongWall(v) * moved;
     fineX_[v] += shift_[v];

@@ -3,53 +3,42 @@
 
 namespace octet {
 
-// The numbering of scheme.md section 3, once for each mesh.
 RealPart RealPart::child(const RealPart& coarse, const Complex& own, const Complex& larger) {
   RealPart result;
-  const Index v = larger.vertexCount(), e = larger.edgeCount(), f = larger.facetCount(),
-              t = larger.tetCount();
-  const Index fineTets = 4 * t + 8 * larger.octCount();
+  const ChildNumbering children = larger.children();
   const auto& cells = coarse.places[3];
-  const auto tet = [&](Index k) { return cells[static_cast<std::size_t>(k)]; };
-  const auto oct = [&](Index k) { return cells[static_cast<std::size_t>(own.tetCount() + k)] - t; };
-  const Index tets = own.tetCount(), octs = own.octCount();
+  const auto firstOct = cells.begin() + own.tetCount();
+  const std::vector<Index> tets(cells.begin(), firstOct);
+  std::vector<Index> octs(firstOct, cells.end());
+  for (Index& oct : octs) oct -= larger.tetCount();
 
+  // Children of one kind after the other, `count` of each parent.
+  const auto add = [](const std::vector<Index>& parents, int count, std::vector<Index>* places,
+                      const auto& number) {
+    for (const Index parent : parents) {
+      for (int k = 0; k < count; ++k) places->push_back(number(parent, k));
+    }
+  };
   auto& vertices = result.places[0];
   vertices = coarse.places[0];
-  for (const Index k : coarse.places[1]) vertices.push_back(v + k);
-  for (Index k = 0; k < octs; ++k) vertices.push_back(v + e + oct(k));
+  add(coarse.places[1], 1, &vertices, [&](Index e, int) { return children.midpoint(e); });
+  add(octs, 1, &vertices, [&](Index o, int) { return children.centre(o); });
 
   auto& edges = result.places[1];
-  for (const Index k : coarse.places[1]) edges.insert(edges.end(), {2 * k, 2 * k + 1});
-  for (const Index k : coarse.places[2]) {
-    for (Index i = 0; i < 3; ++i) edges.push_back(2 * e + 3 * k + i);
-  }
-  for (Index k = 0; k < octs; ++k) {
-    for (Index i = 0; i < 12; ++i) edges.push_back(2 * e + 3 * f + 12 * oct(k) + i);
-  }
+  add(coarse.places[1], 2, &edges, [&](Index e, int k) { return children.half(e, k); });
+  add(coarse.places[2], 3, &edges, [&](Index f, int k) { return children.cut(f, k); });
+  add(octs, 12, &edges, [&](Index o, int k) { return children.spoke(o, k); });
 
   auto& facets = result.places[2];
-  for (const Index k : coarse.places[2]) {
-    for (Index i = 0; i < 4; ++i) facets.push_back(4 * k + i);
-  }
-  for (Index k = 0; k < tets; ++k) {
-    for (Index i = 0; i < 4; ++i) facets.push_back(4 * f + 4 * tet(k) + i);
-  }
-  for (Index k = 0; k < octs; ++k) {
-    for (Index i = 0; i < 24; ++i) facets.push_back(4 * f + 4 * t + 24 * oct(k) + i);
-  }
+  add(coarse.places[2], 4, &facets, [&](Index f, int k) { return children.onFacet(f, k); });
+  add(tets, 4, &facets, [&](Index t, int k) { return children.inTet(t, k); });
+  add(octs, 24, &facets, [&](Index o, int k) { return children.inOct(o, k); });
 
   auto& fine = result.places[3];
-  for (Index k = 0; k < tets; ++k) {
-    for (Index i = 0; i < 4; ++i) fine.push_back(4 * tet(k) + i);
-  }
-  for (Index k = 0; k < octs; ++k) {
-    for (Index i = 0; i < 8; ++i) fine.push_back(4 * t + 8 * oct(k) + i);
-  }
-  for (Index k = 0; k < tets; ++k) fine.push_back(fineTets + tet(k));
-  for (Index k = 0; k < octs; ++k) {
-    for (Index i = 0; i < 6; ++i) fine.push_back(fineTets + t + 6 * oct(k) + i);
-  }
+  add(tets, 4, &fine, [&](Index t, int k) { return children.cornerTet(t, k); });
+  add(octs, 8, &fine, [&](Index o, int k) { return children.innerTet(o, k); });
+  add(tets, 1, &fine, [&](Index t, int) { return children.innerOct(t); });
+  add(octs, 6, &fine, [&](Index o, int k) { return children.cornerOct(o, k); });
   return result;
 }
 

@@ -7,8 +7,7 @@
 namespace octet {
 
 /// @brief The linear (Whitney) subdivision operators L0..L3 from a level to the next (scheme.md
-/// section 4). They commute with d for every zeta. Arrays have the levels' counts; `fine` must have
-/// been split from `coarse`. Thread safe.
+/// section 4). They commute with d for every zeta. Arrays have the levels' counts. Thread safe.
 class LinearRefinement {
  public:
   explicit LinearRefinement(double zeta = kDefaultZeta) : rules_(zeta) {}
@@ -16,7 +15,7 @@ class LinearRefinement {
   void apply0(const Complex& coarse, const double* in, double* out) const;
   void apply1(const Complex& coarse, const double* in, double* out) const;
   void apply2(const Complex& coarse, const double* in, double* out) const;
-  void apply3(const Complex& coarse, const Complex& fine, const double* in, double* out) const;
+  void apply3(const Complex& coarse, const double* in, double* out) const;
 
  private:
   LinearRules rules_;

@@ -85,7 +85,7 @@ bool facetHasEdge(const Complex& complex, Index facet, Index edge) {
 class PatchTest::Builder {
  public:
   Builder(PatchTest* test, const CellKernels& kernels)
-      : t_(*test), f_(test->f_), c_(test->c_), kernels_(kernels) {}
+      : t_(*test), f_(test->f_), c_(test->c_), children_(c_.children()), kernels_(kernels) {}
 
   void run(const LinearRefinement& linear, const Smoothing& smoothing, ScratchPool* scratch,
            const Array<Vec3>& oldPositions, const Array<Vec3>& newPositions) {
@@ -136,13 +136,14 @@ class PatchTest::Builder {
       t_.coarseAreas_[f] =
           (positions[v[1]] - positions[v[0]]).cross(positions[v[2]] - positions[v[0]]) / 2;
     });
-    insideAreas_.resize(f_.facetCount() - 4 * c_.facetCount());
+    insideAreas_.resize(children_.insideNumber(f_.facetCount()));
     cellGrams_.resize(f_.cellCount());
-    const Index tets = c_.tetCount();
-    parallelFor<Index>(tets,
-                       [&](Index t) { measureCell(kernels_.tet, t, insideAreas_.data() + 4 * t); });
+    parallelFor<Index>(c_.tetCount(), [&](Index t) {
+      measureCell(kernels_.tet, t, &insideAreas_[children_.insideNumber(children_.inTet(t, 0))]);
+    });
     parallelFor<Index>(c_.octCount(), [&](Index o) {
-      measureCell(kernels_.oct, tets + o, insideAreas_.data() + 4 * tets + 24 * o);
+      measureCell(kernels_.oct, c_.tetCount() + o,
+                  &insideAreas_[children_.insideNumber(children_.inOct(o, 0))]);
     });
   }
 
@@ -166,26 +167,20 @@ class PatchTest::Builder {
       Symmetric sum = Symmetric::Zero();
       for (int k = 0; k < kernel.kFacetsAtCorner; ++k) sum += onFacet[kernel.cornerFacets[i][k]];
       for (int k = 0; k < kernel.kInsideAtCorner; ++k) sum += insideGram[kernel.cornerInside[i][k]];
-      cellGrams_[c_.cornerChild(f_, cell, i)] = sum;
+      cellGrams_[children_.cornerChild(cell, i)] = sum;
     }
     for (int n = 0; n < (kTet ? 1 : 8); ++n) {
       Symmetric sum =
           kTet ? Symmetric(onFacet[0] + onFacet[1] + onFacet[2] + onFacet[3]) : onFacet[n];
       for (int k = 0; k < (kTet ? 4 : 3); ++k) sum += insideGram[kernel.innerInside[n][k]];
-      cellGrams_[innerChild(cell, n)] = sum;
+      cellGrams_[children_.innerChild(cell, n)] = sum;
     }
   }
 
-  /// The octahedron in a coarse tetrahedron, or the tetrahedron at facet n of a coarse octahedron.
-  Index innerChild(Index cell, int n) const {
-    return c_.isTet(cell) ? f_.tetCount() + cell
-                          : 4 * c_.tetCount() + 8 * (cell - c_.tetCount()) + n;
-  }
-
   Vec3 area(Index fineFacet) const {
-    const Index onFacets = 4 * c_.facetCount();
-    return fineFacet < onFacets ? Vec3(t_.coarseAreas_[fineFacet / 4] / 4)
-                                : insideAreas_[fineFacet - onFacets];
+    const ChildOf child = children_.facet(fineFacet);
+    return child.origin == Origin::Facet ? Vec3(t_.coarseAreas_[child.parent] / 4)
+                                         : insideAreas_[children_.insideNumber(fineFacet)];
   }
 
   /// Sets residuals that are rounding to 0; is any left?
@@ -232,7 +227,7 @@ class PatchTest::Builder {
       const std::vector<Index> facets = facetsAround(e);
       for (std::size_t k = 1; k < facets.size(); ++k) {
         if (facets[k] == facets[k - 1] && !facetHasEdge(f_, facets[k], e)) {
-          t_.countedTwice_.emplace_back(e, facets[k] / 4);
+          t_.countedTwice_.emplace_back(e, children_.facet(facets[k]).parent);
         }
       }
     }
@@ -299,10 +294,10 @@ class PatchTest::Builder {
           const Index f = c_.cellFacet(at.cell, w.facet).index();
           if (!c_.facetOnBoundary(f)) shared += square(t_.coarseAreas_[f]) / 32;
         }
-        gram[0] += cellGrams_[c_.cornerChild(f_, at.cell, at.start)] - shared;
-        gram[1] += cellGrams_[c_.cornerChild(f_, at.cell, at.end)] - shared;
+        gram[0] += cellGrams_[children_.cornerChild(at.cell, at.start)] - shared;
+        gram[1] += cellGrams_[children_.cornerChild(at.cell, at.end)] - shared;
       });
-      for (int half = 0; half < 2; ++half) solveEdge(2 * e + half, gram[half]);
+      for (int end = 0; end < 2; ++end) solveEdge(children_.half(e, end), gram[end]);
     });
   }
 
@@ -317,35 +312,33 @@ class PatchTest::Builder {
         const bool tet = c_.isTet(cell);
         const auto& triple =
             tet ? Tetrahedron::facets[side.facet()] : Octahedron::facets[side.facet()];
-        const Index firstInside = tet ? 4 * cell : 4 * c_.tetCount() + 24 * (cell - c_.tetCount());
         for (int s = 0; s < 3; ++s) {
-          const int inside = tet ? kernels_.tet.insideAtCut[side.facet()][s]
-                                 : kernels_.oct.insideAtCut[side.facet()][s];
+          const Index inside =
+              tet ? children_.inTet(cell, kernels_.tet.insideAtCut[side.facet()][s])
+                  : children_.inOct(cell - c_.tetCount(),
+                                    kernels_.oct.insideAtCut[side.facet()][s]);
           Symmetric& sum = gram[seen.place(s)];
-          sum += cellGrams_[c_.cornerChild(f_, cell, triple[s])] +
-                 cellGrams_[innerChild(cell, side.facet())] -
-                 square(insideAreas_[firstInside + inside]);
+          sum += cellGrams_[children_.cornerChild(cell, triple[s])] +
+                 cellGrams_[children_.innerChild(cell, side.facet())] - square(area(inside));
           if (!c_.facetOnBoundary(f)) sum -= onFacet;
         }
       }
-      for (int s = 0; s < 3; ++s) solveEdge(2 * c_.edgeCount() + 3 * f + s, gram[s]);
+      for (int s = 0; s < 3; ++s) solveEdge(children_.cut(f, s), gram[s]);
     });
   }
 
   void solveSpokes() {
-    const Index first = 2 * c_.edgeCount() + 3 * c_.facetCount();
     parallelFor<Index>(c_.octCount(), [&](Index o) {
-      const Index cell = c_.tetCount() + o, firstInside = 4 * c_.tetCount() + 24 * o;
       for (int k = 0; k < 12; ++k) {
         Symmetric gram = Symmetric::Zero();
-        for (const int i : Octahedron::edges[k]) gram += cellGrams_[c_.cornerChild(f_, cell, i)];
+        for (const int i : Octahedron::edges[k]) gram += cellGrams_[children_.cornerOct(o, i)];
         for (const EdgeInFacet& where : kCellTables<Octahedron>.edgeFacets[k]) {
-          gram += cellGrams_[innerChild(cell, where.facet)];
+          gram += cellGrams_[children_.innerTet(o, where.facet)];
         }
         for (const int n : kernels_.oct.insideAtSpoke[k]) {
-          gram -= square(insideAreas_[firstInside + n]);
+          gram -= square(area(children_.inOct(o, n)));
         }
-        solveEdge(first + 12 * o + k, gram);
+        solveEdge(children_.spoke(o, k), gram);
       }
     });
   }
@@ -374,6 +367,7 @@ class PatchTest::Builder {
   PatchTest& t_;
   const Complex& f_;
   const Complex& c_;
+  const ChildNumbering children_;
   const CellKernels& kernels_;
   Array<Vec3> insideAreas_;     // of fine facets inside coarse cells
   Array<Symmetric> cellGrams_;  // sums of A A^T over the facets of fine cells
@@ -480,13 +474,12 @@ template void PatchTest::addCell(const CellKernel<Octahedron>&, Index, const dou
 
 void PatchTest::finish(BoundaryMode mode, const double* coarseFacets, double* edges) const {
   // Children of a coarse facet have a quarter of its area and of its flux.
-  const auto ofFacet = [&](Index f) -> Vec3 {
-    return coarseAreas_[f / 4] * (coarseFacets[f / 4] / 16);
-  };
-  for (const auto& [e, f] : countedTwice_) edges[e] -= multipliers_[e].dot(ofFacet(4 * f));
+  const auto ofParent = [&](Index f) -> Vec3 { return coarseAreas_[f] * (coarseFacets[f] / 16); };
+  for (const auto& [e, f] : countedTwice_) edges[e] -= multipliers_[e].dot(ofParent(f));
   if (mode == BoundaryMode::Open) return;
   parallelFor<Index>(boundary_.edgeCount(), [&](Index k) {
-    edges[boundary_.edges[k]] = wallMultipliers_[k].dot(sumOnWall<Vec3>(k, ofFacet));
+    edges[boundary_.edges[k]] = wallMultipliers_[k].dot(
+        sumOnWall<Vec3>(k, [&](Index f) { return ofParent(c_.children().facet(f).parent); }));
   });
 }
 

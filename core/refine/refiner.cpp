@@ -13,7 +13,7 @@ constexpr int kMostLevels = 12;
 /// Reports the building of a level, part by part; what is done is told in cells.
 class LevelProgress {
  public:
-  LevelProgress(const ProgressCallback& callback, int level, Index cells)
+  LevelProgress(const ProgressCallback& callback, int level, std::int64_t cells)
       : callback_(callback),
         stage_("build level " + std::to_string(level)),
         cells_(static_cast<std::size_t>(cells)) {
@@ -54,7 +54,7 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
   levels_.push_back(std::move(control));
   for (int k = 1; k <= options.levels; ++k) {
     const Level& coarse = *levels_.back();
-    const LevelProgress progress(options.progress, k, splitCellCount(*coarse.complex));
+    const LevelProgress progress(options.progress, k, coarse.complex->children().cellCount());
     auto fine = std::make_unique<Level>();
     fine->complex = split(coarse.complex);
     fine->boundary = Boundary(*fine->complex, mesh.corners(), &coarse.boundary);
@@ -126,7 +126,7 @@ Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode) c
     linear_.apply2(coarse, form.data(), linear);
     if (to.smoothing) to.smoothing->apply2(form.data(), linear, correction, result.data());
   } else {
-    linear_.apply3(coarse, fine, form.data(), linear);
+    linear_.apply3(coarse, form.data(), linear);
     if (to.smoothing) to.smoothing->apply3(form.data(), linear, result.data());
   }
   return result;

@@ -157,8 +157,8 @@ void Smoothing::classify() {
 
 /// Fine cells at an edge inside a coarse facet or octahedron: two of each cell.
 double Smoothing::cellsAtNewEdge(Index edge) const {
-  const Index facet = (edge - 2 * c_.edgeCount()) / 3;
-  return facet < c_.facetCount() && c_.facetOnBoundary(facet) ? 2.0 : 4.0;
+  const ChildOf child = c_.children().edge(edge);
+  return child.origin == Origin::Facet && c_.facetOnBoundary(child.parent) ? 2.0 : 4.0;
 }
 
 /// D1 of interior vertices applied to the linear refinement of a 1-form, where `wanted(vertex)`.
@@ -175,12 +175,13 @@ void Smoothing::vertexRows(const double* coarseEdges, const Wanted& wanted, doub
   };
   stars_.vertices(scratch_, fill, wanted, out);
   // So far sums over the star; the row is their mean.
-  const Index v0 = c_.vertexCount(), e0 = c_.edgeCount();
+  const ChildNumbering children = c_.children();
   parallelFor<Index>(f_.vertexCount(), [&](Index v) {
     if (!wanted(v)) return;
-    out[v] /= v < v0        ? std::max(stars_.cellsAtVertex(v), 1)
-              : v < v0 + e0 ? stars_.cellsAtMidpoint(v - v0)
-                            : 14;
+    const ChildOf child = children.vertex(v);
+    out[v] /= child.origin == Origin::Vertex ? std::max(stars_.cellsAtVertex(v), 1)
+              : child.origin == Origin::Edge ? stars_.cellsAtMidpoint(child.parent)
+                                             : 14;
   });
 }
 
@@ -197,6 +198,7 @@ void Smoothing::boundaryVertexRows(const Read& edge, double* out) const {
 /// refinement of a 2-form.
 void Smoothing::edgeRows(const double* coarseFacets, const Correction& correction,
                          double* out) const {
+  const ChildNumbering children = c_.children();
   const PatchTest* const patchTest =
       correction.patchTest && !correction.patchTest->empty() ? correction.patchTest : nullptr;
   const auto fill = [&](auto shape, Index cell, double* values) {
@@ -216,7 +218,8 @@ void Smoothing::edgeRows(const double* coarseFacets, const Correction& correctio
       multiply(kernelOf<Shape>(kernels_).edgeHomotopy, facets, values);
       for (int k = 0; k < Edges::kCount; ++k) {
         const Index e = closure.index[k];
-        const double cells = k < Edges::kHalves ? stars_.cellsAtEdge(e / 2) : cellsAtNewEdge(e);
+        const double cells =
+            k < Edges::kHalves ? stars_.cellsAtEdge(children.edge(e).parent) : cellsAtNewEdge(e);
         values[k] = edges_[e] & kStarRow ? values[k] * closure.sign[k] / cells : 0.0;
       }
     } else {
@@ -230,7 +233,7 @@ void Smoothing::edgeRows(const double* coarseFacets, const Correction& correctio
   parallelFor<Index>(boundary_.edgeCount(), [&](Index k) {
     double sum = 0;
     for (auto term = boundary_.edgeTermsBegin(k); term != boundary_.edgeTermsEnd(k); ++term) {
-      sum += term->weight * coarseFacets[term->facet / 4] / 4;
+      sum += term->weight * coarseFacets[children.facet(term->facet).parent] / 4;
     }
     out[boundary_.edges[k]] += sum;
   });
@@ -305,14 +308,15 @@ void Smoothing::apply2(const double* coarse, const double* linear, const Correct
     coboundary2(c_, coarse, cells.data());
     facetRows(cells.data(), facets.data());
   }
-  const Index onFacets = 4 * c_.facetCount();
+  const ChildNumbering children = c_.children();
   parallelFor<Index>(f_.facetCount(), [&](Index f) {
     const auto& edges = f_.facetEdges[f];
     if (facets_[f] & kRegular) {
       for (const EdgeRef& e : edges) out[f] -= e.sign() * rows[e.index()];
       return;
     }
-    double sum = linear[f] - (f < onFacets ? facets[f / 4] : 0.0);
+    const ChildOf child = children.facet(f);
+    double sum = linear[f] - (child.origin == Origin::Facet ? facets[child.parent] : 0.0);
     for (const EdgeRef& e : edges) {
       double row = rows[e.index()];
       if (edges_[e.index()] & kRegular) row += regularRows[e.index()];
@@ -339,16 +343,17 @@ void Smoothing::apply3(const double* coarse, const double* linear, double* out) 
   }
   auto facets = scratch_->take(c_.facetCount());
   facetRows(coarse, facets.data());
-  const Index onFacets = 4 * c_.facetCount();
+  const ChildNumbering children = c_.children();
   parallelFor<Index>(f_.cellCount(), [&](Index cell) {
     if (cells_[cell] & kRegular) return;
     double sum = 0;
     for (int k = 0; k < f_.cellFacetCount(cell); ++k) {
       const FacetRef f = f_.cellFacet(cell, k);
+      const ChildOf child = children.facet(f.index());
       if (facets_[f.index()] & kRegular) {
         sum += f.sign() * regularRows[f.index()];
-      } else if (f.index() < onFacets) {
-        sum += f.sign() * facets[f.index() / 4];
+      } else if (child.origin == Origin::Facet) {
+        sum += f.sign() * facets[child.parent];
       }
     }
     out[cell] = linear[cell] - f_.cellSigns[cell] * sum;

@@ -36,12 +36,12 @@ struct ClosureEdges {
   std::array<double, FineEdges<Shape>::kCount> sign;
 
   ClosureEdges(const Complex& coarse, Index cell) {
-    const Index firstCut = 2 * coarse.edgeCount();
+    const ChildNumbering children = coarse.children();
     for (int k = 0; k < Shape::kEdges; ++k) {
       const EdgeRef e = localEdge<Shape>(coarse, cell, k);
       for (int end = 0; end < 2; ++end) {
         const int at = FineEdges<Shape>::half(k, end);
-        index[at] = 2 * e.index() + (e.reversed() ? 1 - end : end);
+        index[at] = children.half(e.index(), e.reversed() ? 1 - end : end);
         sign[at] = e.sign();
       }
     }
@@ -49,14 +49,13 @@ struct ClosureEdges {
       const FacetRef facet = localFacet<Shape>(coarse, cell, f);
       for (int s = 0; s < 3; ++s) {
         const int at = FineEdges<Shape>::cut(f, s);
-        index[at] = firstCut + 3 * facet.index() + facet.place(s);
+        index[at] = children.cut(facet.index(), facet.place(s));
         sign[at] = facet.place((s + 1) % 3) < facet.place((s + 2) % 3) ? 1.0 : -1.0;
       }
     }
     if constexpr (Shape::kVertices == 6) {
-      const Index first = firstCut + 3 * coarse.facetCount() + 12 * (cell - coarse.tetCount());
       for (int k = 0; k < 12; ++k) {
-        index[FineEdges<Shape>::spoke(k)] = first + k;
+        index[FineEdges<Shape>::spoke(k)] = children.spoke(cell - coarse.tetCount(), k);
         sign[FineEdges<Shape>::spoke(k)] = 1.0;
       }
     }
@@ -128,19 +127,19 @@ template <typename Fill>
 void StarSums::edges(ScratchPool* scratch, const Fill& fill, double* out) const {
   constexpr int kTet = FineEdges<Tetrahedron>::kCount;
   constexpr int kOct = FineEdges<Octahedron>::kCount - 12;  // spokes are the cell's own
-  const Index tets = c_.tetCount(), firstCut = 2 * c_.edgeCount();
+  const ChildNumbering children = c_.children();
+  const Index tets = c_.tetCount();
   auto loan = scratch->take(offset<kTet, kOct>(c_.cellCount()));
   double* const parts = loan.data();
   parallelFor<Index>(
       tets, [&](Index t) { fill(Tetrahedron{}, t, parts + offset<kTet, kOct>(t)); }, 64);
-  double* const spokes = out + firstCut + 3 * static_cast<std::size_t>(c_.facetCount());
   parallelFor<Index>(
       c_.octCount(),
       [&](Index o) {
         double values[FineEdges<Octahedron>::kCount];
         fill(Octahedron{}, tets + o, values);
         std::copy(values, values + kOct, parts + offset<kTet, kOct>(tets + o));
-        std::copy(values + kOct, values + kOct + 12, spokes + 12 * o);
+        std::copy(values + kOct, values + kOct + 12, out + children.spoke(o, 0));
       },
       64);
   parallelFor<Index>(c_.edgeCount(), [&](Index e) {
@@ -151,8 +150,8 @@ void StarSums::edges(ScratchPool* scratch, const Fill& fill, double* out) const 
       atStart += half[entry.forward() ? 0 : 1];
       atEnd += half[entry.forward() ? 1 : 0];
     }
-    out[2 * e] = atStart;
-    out[2 * e + 1] = atEnd;
+    out[children.half(e, 0)] = atStart;
+    out[children.half(e, 1)] = atEnd;
   });
   parallelFor<Index>(c_.facetCount(), [&](Index f) {
     double sum[3] = {0, 0, 0};
@@ -165,7 +164,7 @@ void StarSums::edges(ScratchPool* scratch, const Fill& fill, double* out) const 
       const FacetRef seen = c_.cellFacet(side.cell(), side.facet());
       for (int s = 0; s < 3; ++s) sum[seen.place(s)] += cut[s];
     }
-    std::copy(sum, sum + 3, out + firstCut + 3 * static_cast<std::size_t>(f));
+    std::copy(sum, sum + 3, out + children.cut(f, 0));
   });
 }
 
@@ -174,7 +173,8 @@ void StarSums::vertices(ScratchPool* scratch, const Fill& fill, const Wanted& wa
                         double* out) const {
   constexpr int kTet = FineVertices<Tetrahedron>::kCount;
   constexpr int kOct = FineVertices<Octahedron>::kCount - 1;  // the centre is the cell's own
-  const Index tets = c_.tetCount(), v0 = c_.vertexCount();
+  const ChildNumbering children = c_.children();
+  const Index tets = c_.tetCount();
   auto loan = scratch->take(offset<kTet, kOct>(c_.cellCount()));
   double* const parts = loan.data();
   parallelFor<Index>(
@@ -185,11 +185,11 @@ void StarSums::vertices(ScratchPool* scratch, const Fill& fill, const Wanted& wa
         double values[FineVertices<Octahedron>::kCount];
         fill(Octahedron{}, tets + o, values);
         std::copy(values, values + kOct, parts + offset<kTet, kOct>(tets + o));
-        const Index centre = v0 + c_.edgeCount() + o;
+        const Index centre = children.centre(o);
         if (wanted(centre)) out[centre] = values[kOct];
       },
       64);
-  parallelFor<Index>(v0, [&](Index v) {
+  parallelFor<Index>(c_.vertexCount(), [&](Index v) {
     if (!wanted(v)) return;
     double sum = 0;
     for (std::uint32_t k = vertexBegin_[v]; k < vertexBegin_[v + 1]; ++k) {
@@ -199,7 +199,8 @@ void StarSums::vertices(ScratchPool* scratch, const Fill& fill, const Wanted& wa
     out[v] = sum;
   });
   parallelFor<Index>(c_.edgeCount(), [&](Index e) {
-    if (!wanted(v0 + e)) return;
+    const Index midpoint = children.midpoint(e);
+    if (!wanted(midpoint)) return;
     double sum = 0;
     for (std::uint32_t k = edgeBegin_[e]; k < edgeBegin_[e + 1]; ++k) {
       const EdgeEntry entry = edgeEntries_[k];
@@ -207,7 +208,7 @@ void StarSums::vertices(ScratchPool* scratch, const Fill& fill, const Wanted& wa
                                             : FineVertices<Octahedron>::midpoint(entry.edge());
       sum += parts[offset<kTet, kOct>(entry.cell()) + static_cast<std::size_t>(at)];
     }
-    out[v0 + e] = sum;
+    out[midpoint] = sum;
   });
 }
 

@@ -74,25 +74,24 @@ void StepAdjoint::listWallEdges() {
 /// L1 (scheme.md section 4).
 template <typename Add>
 void StepAdjoint::linearEdge(Index fineEdge, double weight, const Add& add) const {
-  const Index cut = fineEdge - 2 * c_.edgeCount();
-  if (cut < 0) {
-    add(fineEdge / 2, weight / 2);
+  const ChildOf child = c_.children().edge(fineEdge);
+  if (child.origin == Origin::Edge) {
+    add(child.parent, weight / 2);
     return;
   }
-  const Index spoke = cut - 3 * c_.facetCount();
-  if (spoke < 0) {
+  if (child.origin == Origin::Facet) {
     // (ab,ac) = bc + ac - ab, and so on: minus the edge beside the corner that leads on from it.
     constexpr double kSigns[3][3] = {{-1, 1, 1}, {1, 1, 1}, {1, -1, 1}};
-    const auto& edges = c_.facetEdges[cut / 3];
-    const auto& signs = kSigns[cut % 3];
+    const auto& edges = c_.facetEdges[child.parent];
+    const auto& signs = kSigns[child.place];
     add(edges[0].index(), weight * signs[0] * edges[0].sign() / 4);
     add(edges[1].index(), weight * signs[1] * edges[1].sign() / 4);
     add(edges[2].index(), weight * signs[2] * -edges[2].sign() / 4);
     return;
   }
   for (int k = 0; k < 12; ++k) {
-    const double entry = kernels_.linear.octSpoke[spoke % 12][k];
-    const EdgeRef e = c_.octEdge(spoke / 12, k);
+    const double entry = kernels_.linear.octSpoke[child.place][k];
+    const EdgeRef e = c_.octEdge(child.parent, k);
     if (entry != 0) add(e.index(), weight * entry * e.sign());
   }
 }
@@ -100,28 +99,25 @@ void StepAdjoint::linearEdge(Index fineEdge, double weight, const Add& add) cons
 /// L2 (scheme.md section 4).
 template <typename Add>
 void StepAdjoint::linearFacet(Index fineFacet, double weight, const Add& add) const {
-  const Index inTets = fineFacet - 4 * c_.facetCount();
-  if (inTets < 0) {
-    add(fineFacet / 4, weight / 4);
-    return;
-  }
-  const Index inOcts = inTets - 4 * c_.tetCount();
+  const ChildOf child = c_.children().facet(fineFacet);
   const auto addCell = [&](const auto& facets, const auto& row) {
     for (std::size_t k = 0; k < facets.size(); ++k) {
       if (row[k] != 0) add(facets[k].index(), weight * row[k] * facets[k].sign());
     }
   };
-  if (inOcts < 0) {
-    addCell(c_.tetFacets[inTets / 4], kernels_.linear.tetFacet[inTets % 4]);
+  if (child.origin == Origin::Facet) {
+    add(child.parent, weight / 4);
+  } else if (child.origin == Origin::Tetrahedron) {
+    addCell(c_.tetFacets[child.parent], kernels_.linear.tetFacet[child.place]);
   } else {
-    addCell(c_.octFacets[inOcts / 24], kernels_.linear.octFacet[inOcts % 24]);
+    addCell(c_.octFacets[child.parent], kernels_.linear.octFacet[child.place]);
   }
 }
 
 /// Calls `visit(shape, coarse cell, number among FineVertices)`.
 template <typename Visit>
 void StepAdjoint::visitCellsAtVertex(Index v, const Visit& visit) const {
-  const Index midpoint = v - c_.vertexCount(), centre = midpoint - c_.edgeCount();
+  const ChildOf child = c_.children().vertex(v);
   const auto call = [&](Index cell, int inTet, int inOct) {
     if (c_.isTet(cell)) {
       visit(Tetrahedron{}, cell, inTet);
@@ -129,15 +125,15 @@ void StepAdjoint::visitCellsAtVertex(Index v, const Visit& visit) const {
       visit(Octahedron{}, cell, inOct);
     }
   };
-  if (midpoint < 0) {
+  if (child.origin == Origin::Vertex) {
     c_.visitVertexStar(v, [&](const CellAtVertex& at) { call(at.cell, at.place, at.place); });
-  } else if (centre < 0) {
-    c_.visitEdgeStar(midpoint, [&](const CellAtEdge& at) {
+  } else if (child.origin == Origin::Edge) {
+    c_.visitEdgeStar(child.parent, [&](const CellAtEdge& at) {
       const int k = localEdgeAt(c_, at);
       call(at.cell, FineVertices<Tetrahedron>::midpoint(k), FineVertices<Octahedron>::midpoint(k));
     });
   } else {
-    visit(Octahedron{}, c_.tetCount() + centre, FineVertices<Octahedron>::kCount - 1);
+    visit(Octahedron{}, c_.tetCount() + child.parent, FineVertices<Octahedron>::kCount - 1);
   }
 }
 
@@ -157,13 +153,14 @@ void StepAdjoint::vertexRow(Index v, double weight, const Add& add) const {
     }
     return;
   }
+  const Origin origin = c_.children().vertex(v).origin;
   int cells = 0;
   visitCellsAtVertex(v, [&](auto shape, Index, int) {
     // Fine cells at a midpoint: two corner children, and those between.
     constexpr int kAtMidpoint = decltype(shape)::kVertices == 4 ? 3 : 4;
-    cells += v < c_.vertexCount() ? 1 : kAtMidpoint;
+    cells += origin == Origin::Vertex ? 1 : kAtMidpoint;
   });
-  if (v >= c_.vertexCount() + c_.edgeCount()) cells = 14;  // around an octahedron's centre
+  if (origin == Origin::Octahedron) cells = 14;  // around its centre
   visitCellsAtVertex(v, [&](auto shape, Index cell, int at) {
     using Shape = decltype(shape);
     const auto& kernel = kernelOf<Shape>(kernels_);
@@ -177,12 +174,12 @@ void StepAdjoint::vertexRow(Index v, double weight, const Add& add) const {
 /// Calls `visit(shape, coarse cell, number among FineEdges, sign against the stored direction)`.
 template <typename Visit>
 void StepAdjoint::visitCellsAtEdge(Index fineEdge, const Visit& visit) const {
-  const Index cut = fineEdge - 2 * c_.edgeCount(), spoke = cut - 3 * c_.facetCount();
-  if (cut < 0) {
-    c_.visitEdgeStar(fineEdge / 2, [&](const CellAtEdge& at) {
+  const ChildOf child = c_.children().edge(fineEdge);
+  if (child.origin == Origin::Edge) {
+    c_.visitEdgeStar(child.parent, [&](const CellAtEdge& at) {
       const bool forward = at.start < at.end;
       const int k = localEdgeAt(c_, at);
-      const int end = forward ? fineEdge % 2 : 1 - fineEdge % 2;
+      const int end = forward ? child.place : 1 - child.place;
       const double sign = forward ? 1 : -1;
       if (c_.isTet(at.cell)) {
         visit(Tetrahedron{}, at.cell, FineEdges<Tetrahedron>::half(k, end), sign);
@@ -190,12 +187,12 @@ void StepAdjoint::visitCellsAtEdge(Index fineEdge, const Visit& visit) const {
         visit(Octahedron{}, at.cell, FineEdges<Octahedron>::half(k, end), sign);
       }
     });
-  } else if (spoke < 0) {
-    for (const CellSide& side : c_.facetCells[cut / 3]) {
+  } else if (child.origin == Origin::Facet) {
+    for (const CellSide& side : c_.facetCells[child.parent]) {
       if (!side.exists()) continue;
       const FacetRef seen = c_.cellFacet(side.cell(), side.facet());
       int slot = 0;
-      while (seen.place(slot) != cut % 3) ++slot;
+      while (seen.place(slot) != child.place) ++slot;
       const double sign = seen.place((slot + 1) % 3) < seen.place((slot + 2) % 3) ? 1 : -1;
       if (c_.isTet(side.cell())) {
         visit(Tetrahedron{}, side.cell(), FineEdges<Tetrahedron>::cut(side.facet(), slot), sign);
@@ -204,7 +201,8 @@ void StepAdjoint::visitCellsAtEdge(Index fineEdge, const Visit& visit) const {
       }
     }
   } else {
-    visit(Octahedron{}, c_.tetCount() + spoke / 12, FineEdges<Octahedron>::spoke(spoke % 12), 1.0);
+    visit(Octahedron{}, c_.tetCount() + child.parent, FineEdges<Octahedron>::spoke(child.place),
+          1.0);
   }
 }
 
@@ -246,9 +244,10 @@ template <typename Add>
 void StepAdjoint::edgeRow(Index e, double weight, const Add& add) const {
   if (edgeSlots_[e] == kNone && !f_.edgeOnBoundary(e)) {
     double cells = 4;
-    if (e < 2 * c_.edgeCount()) {
+    const ChildOf child = c_.children().edge(e);
+    if (child.origin == Origin::Edge) {
       cells = 0;
-      c_.visitEdgeStar(e / 2, [&](const CellAtEdge&) { ++cells; });
+      c_.visitEdgeStar(child.parent, [&](const CellAtEdge&) { ++cells; });
     }
     visitCellsAtEdge(e, [&](auto shape, Index cell, int at, double sign) {
       using Shape = decltype(shape);
@@ -265,7 +264,7 @@ void StepAdjoint::edgeRow(Index e, double weight, const Add& add) const {
   const Index k = wallEdges_[e];
   if (k == kNone) return;
   for (auto term = boundary_.edgeTermsBegin(k); term != boundary_.edgeTermsEnd(k); ++term) {
-    add(term->facet / 4, weight * term->weight / 4);
+    add(c_.children().facet(term->facet).parent, weight * term->weight / 4);
   }
 }
 
@@ -324,10 +323,10 @@ void StepAdjoint::addFacet(Index f, double weight, RowSum* sum) const {
   } else {
     linearFacet(f, weight, add);
     // D3 L3 d2 on a child of a coarse facet; between the children of one cell it vanishes.
-    const Index parent = f / 4;
-    if (f < 4 * c_.facetCount() && !c_.facetOnBoundary(parent)) {
+    const ChildOf child = c_.children().facet(f);
+    if (child.origin == Origin::Facet && !c_.facetOnBoundary(child.parent)) {
       for (int side = 0; side < 2; ++side) {
-        const Index cell = c_.facetCells[parent][side].cell();
+        const Index cell = c_.facetCells[child.parent][side].cell();
         const double share = c_.isTet(cell) ? kTetFacetWeight * LinearRules::kTetToTet
                                             : kOctFacetWeight * LinearRules::kOctToOct;
         const double w = (side == 0 ? -weight : weight) * share * c_.cellSigns[cell];

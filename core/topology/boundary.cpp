@@ -37,17 +37,18 @@ void Boundary::list(const Complex& complex, const Boundary* coarse) {
       if (complex.vertexOnBoundary(v)) vertices.push_back(v);
     }
   } else {
-    const Complex& parent = *complex.coarse;
+    const ChildNumbering children = complex.coarse->children();
     for (const Index f : coarse->facets) {
-      for (Index k = 0; k < 4; ++k) facets.push_back(4 * f + k);
+      for (int k = 0; k < 4; ++k) facets.push_back(children.onFacet(f, k));
     }
-    for (const Index e : coarse->edges) edges.insert(edges.end(), {2 * e, 2 * e + 1});
+    for (const Index e : coarse->edges) {
+      for (int end = 0; end < 2; ++end) edges.push_back(children.half(e, end));
+    }
     for (const Index f : coarse->facets) {
-      const Index first = 2 * parent.edgeCount() + 3 * f;
-      edges.insert(edges.end(), {first, first + 1, first + 2});
+      for (int k = 0; k < 3; ++k) edges.push_back(children.cut(f, k));
     }
     vertices = coarse->vertices;
-    for (const Index e : coarse->edges) vertices.push_back(parent.vertexCount() + e);
+    for (const Index e : coarse->edges) vertices.push_back(children.midpoint(e));
   }
   rows_.assign(complex.vertexCount(), kNone);
   for (Index row = 0; row < vertexCount(); ++row) rows_[vertices[row]] = row;

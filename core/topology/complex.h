@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "../rules/split_tables.h"
+#include "child_numbering.h"
 #include "incidence.h"
 
 namespace octet {
@@ -41,6 +42,10 @@ class Complex {
   Index cellCount() const { return tetCount() + octCount(); }
   /// Number of simplices of dimension k: vertices, edges, facets, cells.
   Index count(int k) const;
+  /// Numbers the simplices of the level that a split of this one makes.
+  ChildNumbering children() const {
+    return {vertexCount(), edgeCount(), facetCount(), tetCount(), octCount()};
+  }
   /// @}
 
   /// @name Incidence
@@ -83,13 +88,6 @@ class Complex {
   template <typename Visit>
   void visitEdgeStar(Index edge, const Visit& visit) const;
   /// @}
-
-  /// Children of a cell at one of its corners: the tetrahedron or octahedron that keeps it.
-  /// `fine` must have been split from this complex.
-  Index cornerChild(const Complex& fine, Index cell, int corner) const {
-    return isTet(cell) ? 4 * cell + corner
-                       : fine.tetCount() + tetCount() + 6 * (cell - tetCount()) + corner;
-  }
 
   // Arrays, one entry per simplex.
   Array<VertexType> vertexTypes;
@@ -138,15 +136,17 @@ void Complex::visitEdgeStar(Index edge, const Visit& visit) const {
   std::uint8_t halves[kMaxLevels + 1];
   int depth = 0;
   levels[0] = this;
-  while (levels[depth]->coarse && edge < 2 * levels[depth]->coarse->edgeCount()) {
-    halves[depth] = edge & 1;
-    edge >>= 1;
+  while (levels[depth]->coarse) {
+    const ChildOf child = levels[depth]->coarse->children().edge(edge);
+    if (child.origin != Origin::Edge) break;
+    halves[depth] = static_cast<std::uint8_t>(child.place);
+    edge = child.parent;
     levels[depth + 1] = levels[depth]->coarse.get();
     ++depth;
   }
   const auto descend = [&](CellAtEdge at) {
     for (int d = depth; d-- > 0;) {
-      at.cell = levels[d + 1]->cornerChild(*levels[d], at.cell, halves[d] ? at.end : at.start);
+      at.cell = levels[d + 1]->children().cornerChild(at.cell, halves[d] ? at.end : at.start);
     }
     visit(at);
   };
@@ -171,7 +171,7 @@ void Complex::visitVertexStar(Index vertex, const Visit& visit) const {
   }
   const auto descend = [&](CellAtVertex at) {
     for (int d = depth; d-- > 0;) {
-      at.cell = levels[d + 1]->cornerChild(*levels[d], at.cell, at.place);
+      at.cell = levels[d + 1]->children().cornerChild(at.cell, at.place);
     }
     visit(at);
   };
@@ -189,11 +189,11 @@ void Complex::visitVertexStar(Index vertex, const Visit& visit) const {
 template <typename Visit>
 void Complex::visitNewEdgeStar(Index edge, const Visit& visit) const {
   const Complex& c = *coarse;
-  const Index inFacets = edge - 2 * c.edgeCount();
-  if (inFacets < 3 * c.facetCount()) {
-    const Index facet = inFacets / 3;
-    const int corner = inFacets % 3;  // stored place of the facet's vertex that the edge cuts off
-    for (const CellSide& side : c.facetCells[facet]) {
+  const ChildNumbering children = c.children();
+  const ChildOf child = children.edge(edge);
+  if (child.origin == Origin::Facet) {
+    const int corner = child.place;  // stored place of the facet's vertex that the edge cuts off
+    for (const CellSide& side : c.facetCells[child.parent]) {
       if (!side.exists()) continue;
       // Local vertices of the corner and of the other two, in the facet's stored order: the edge
       // runs between the midpoints towards them, from the lower stored place to the higher.
@@ -204,11 +204,11 @@ void Complex::visitNewEdgeStar(Index edge, const Visit& visit) const {
       int at[3];
       for (int k = 0; k < 3; ++k) at[seen.place(k)] = triple[k];
       const int x = at[corner], y = at[corner == 0 ? 1 : 0], z = at[corner == 2 ? 1 : 2];
-      visit(CellAtEdge{c.cornerChild(*this, side.cell(), x), y, z});
+      visit(CellAtEdge{children.cornerChild(side.cell(), x), y, z});
+      const Index inner = children.innerChild(side.cell(), side.facet());
       if (tet) {
         const auto& between = kCellTables<Tetrahedron>.edgeBetween[x];
-        visit(CellAtEdge{tetCount() + side.cell(), kTetMidpointPlace[between[y]],
-                         kTetMidpointPlace[between[z]]});
+        visit(CellAtEdge{inner, kTetMidpointPlace[between[y]], kTetMidpointPlace[between[z]]});
       } else {
         // The child (ij,jl,il,centre) of outward facet (i,j,l): midpoint of places (a,b) at
         // place 0, 1 or 2.
@@ -218,22 +218,18 @@ void Complex::visitNewEdgeStar(Index edge, const Visit& visit) const {
                                                                : 2;
           return (third + 1) % 3;
         };
-        visit(CellAtEdge{4 * c.tetCount() + 8 * (side.cell() - c.tetCount()) + side.facet(),
-                         midpointPlace(x, y), midpointPlace(x, z)});
+        visit(CellAtEdge{inner, midpointPlace(x, y), midpointPlace(x, z)});
       }
     }
     return;
   }
-  const Index inOcts = inFacets - 3 * c.facetCount();
-  const Index oct = inOcts / 12;
-  const int k = inOcts % 12;
-  const int i = Octahedron::edges[k][0], j = Octahedron::edges[k][1];
-  const Index firstOct = tetCount() + c.tetCount() + 6 * oct;
-  visit(CellAtEdge{firstOct + i, Octahedron::opposite[i], j});
-  visit(CellAtEdge{firstOct + j, Octahedron::opposite[j], i});
-  for (const EdgeInFacet& where : kCellTables<Octahedron>.edgeFacets[k]) {
+  const Index oct = child.parent;
+  const int i = Octahedron::edges[child.place][0], j = Octahedron::edges[child.place][1];
+  visit(CellAtEdge{children.cornerOct(oct, i), Octahedron::opposite[i], j});
+  visit(CellAtEdge{children.cornerOct(oct, j), Octahedron::opposite[j], i});
+  for (const EdgeInFacet& where : kCellTables<Octahedron>.edgeFacets[child.place]) {
     const int third = 3 - where.start - where.end;
-    visit(CellAtEdge{4 * c.tetCount() + 8 * oct + where.facet, 3, (third + 1) % 3});
+    visit(CellAtEdge{children.innerTet(oct, where.facet), 3, (third + 1) % 3});
   }
 }
 
@@ -241,27 +237,27 @@ void Complex::visitNewEdgeStar(Index edge, const Visit& visit) const {
 template <typename Visit>
 void Complex::visitNewVertexStar(Index vertex, const Visit& visit) const {
   const Complex& c = *coarse;
-  const Index edge = vertex - c.vertexCount();
-  if (edge >= c.edgeCount()) {
-    const Index oct = edge - c.edgeCount();
+  const ChildNumbering children = c.children();
+  const ChildOf child = children.vertex(vertex);
+  if (child.origin == Origin::Octahedron) {
     for (int i = 0; i < 6; ++i) {
-      visit(CellAtVertex{tetCount() + c.tetCount() + 6 * oct + i, Octahedron::opposite[i]});
+      visit(CellAtVertex{children.cornerOct(child.parent, i), Octahedron::opposite[i]});
     }
-    for (int f = 0; f < 8; ++f) visit(CellAtVertex{4 * c.tetCount() + 8 * oct + f, 3});
+    for (int f = 0; f < 8; ++f) visit(CellAtVertex{children.innerTet(child.parent, f), 3});
     return;
   }
-  c.visitEdgeStar(edge, [&](const CellAtEdge& at) {
-    visit(CellAtVertex{c.cornerChild(*this, at.cell, at.start), at.end});
-    visit(CellAtVertex{c.cornerChild(*this, at.cell, at.end), at.start});
+  c.visitEdgeStar(child.parent, [&](const CellAtEdge& at) {
+    visit(CellAtVertex{children.cornerChild(at.cell, at.start), at.end});
+    visit(CellAtVertex{children.cornerChild(at.cell, at.end), at.start});
     if (c.isTet(at.cell)) {
       const int k = kCellTables<Tetrahedron>.edgeBetween[at.start][at.end];
-      visit(CellAtVertex{tetCount() + at.cell, kTetMidpointPlace[k]});
+      visit(CellAtVertex{children.innerOct(at.cell), kTetMidpointPlace[k]});
     } else {
       const Index oct = at.cell - c.tetCount();
       const int k = kCellTables<Octahedron>.edgeBetween[at.start][at.end];
       for (const EdgeInFacet& where : kCellTables<Octahedron>.edgeFacets[k]) {
         const int third = 3 - where.start - where.end;
-        visit(CellAtVertex{4 * c.tetCount() + 8 * oct + where.facet, (third + 1) % 3});
+        visit(CellAtVertex{children.innerTet(oct, where.facet), (third + 1) % 3});
       }
     }
   });

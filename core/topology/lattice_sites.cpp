@@ -15,14 +15,8 @@ constexpr int kFacetBits = kEdgeClasses, kCellBits = kEdgeClasses + kFacetClasse
 Index controlCell(const Complex& complex, Index cell) {
   const Complex* level = &complex;
   while (level->coarse) {
-    const Complex& c = *level->coarse;
-    if (cell < level->tetCount()) {
-      cell = cell < 4 * c.tetCount() ? cell / 4 : c.tetCount() + (cell - 4 * c.tetCount()) / 8;
-    } else {
-      const Index oct = cell - level->tetCount();
-      cell = oct < c.tetCount() ? oct : c.tetCount() + (oct - c.tetCount()) / 6;
-    }
-    level = &c;
+    level = level->coarse.get();
+    cell = level->children().parentCell(cell);
   }
   return cell;
 }

@@ -14,27 +14,27 @@ namespace {
 class Splitter {
  public:
   Splitter(const std::shared_ptr<const Complex>& coarse, Complex* fine)
-      : c_(*coarse), f_(*fine), v_(c_.vertexCount()), e_(c_.edgeCount()), n_(c_.facetCount()) {
+      : c_(*coarse), f_(*fine), children_(c_.children()) {
     f_.coarse = coarse;
   }
 
   void run() {
     const Index t = c_.tetCount(), o = c_.octCount();
-    f_.vertexTypes.resize(v_ + e_ + o);
-    f_.edges.resize(2 * e_ + 3 * n_ + 12 * o);
+    f_.vertexTypes.resize(children_.vertexCount());
+    f_.edges.resize(children_.edgeCount());
     f_.edgeFlags.resize(f_.edges.size());
-    f_.facetEdges.resize(4 * n_ + 4 * t + 24 * o);
+    f_.facetEdges.resize(children_.facetCount());
     f_.facetCells.resize(f_.facetEdges.size());
-    f_.tets.resize(4 * t + 8 * o);
+    f_.tets.resize(children_.tetCount());
     f_.tetFacets.resize(f_.tets.size());
-    f_.octs.resize(t + 6 * o);
+    f_.octs.resize(children_.octCount());
     f_.octFacets.resize(f_.octs.size());
     f_.cellSigns.resize(f_.tets.size() + f_.octs.size());
     f_.cellRegions.resize(f_.cellSigns.size());
     f_.cellFrames.resize(f_.cellSigns.size());
-    parallelFor<Index>(v_, [&](Index v) { f_.vertexTypes[v] = c_.vertexTypes[v]; });
-    parallelFor<Index>(e_, [&](Index e) { splitEdge(e); });
-    parallelFor<Index>(n_, [&](Index k) { splitFacet(k); });
+    parallelFor<Index>(c_.vertexCount(), [&](Index v) { f_.vertexTypes[v] = c_.vertexTypes[v]; });
+    parallelFor<Index>(c_.edgeCount(), [&](Index e) { splitEdge(e); });
+    parallelFor<Index>(c_.facetCount(), [&](Index k) { splitFacet(k); });
     parallelFor<Index>(t, [&](Index k) { splitTet(k); });
     parallelFor<Index>(o, [&](Index k) { splitOct(k); });
     // Every facet is outward to at most one cell and inward to at most one: each cell writes its
@@ -51,10 +51,11 @@ class Splitter {
  private:
   void splitEdge(Index e) {
     const auto [a, b] = c_.edges[e];
-    f_.edges[2 * e] = {a, v_ + e};
-    f_.edges[2 * e + 1] = {v_ + e, b};
-    f_.edgeFlags[2 * e] = f_.edgeFlags[2 * e + 1] = c_.edgeFlags[e];
-    f_.vertexTypes[v_ + e] = midpointType(e);
+    const Index midpoint = children_.midpoint(e);
+    f_.edges[children_.half(e, 0)] = {a, midpoint};
+    f_.edges[children_.half(e, 1)] = {midpoint, b};
+    for (int end = 0; end < 2; ++end) f_.edgeFlags[children_.half(e, end)] = c_.edgeFlags[e];
+    f_.vertexTypes[midpoint] = midpointType(e);
   }
 
   VertexType midpointType(Index e) const {
@@ -73,29 +74,28 @@ class Splitter {
 
   /// Half of coarse edge `edge` at its end seen first (second) through the reference, seen outward
   /// from that end to the midpoint.
-  static EdgeRef halfAtStart(EdgeRef edge) {
-    return EdgeRef(2 * edge.index() + (edge.reversed() ? 1 : 0), edge.reversed());
+  EdgeRef halfAtStart(EdgeRef edge) const {
+    return EdgeRef(children_.half(edge.index(), edge.reversed() ? 1 : 0), edge.reversed());
   }
-  static EdgeRef halfAtEnd(EdgeRef edge) {
-    return EdgeRef(2 * edge.index() + (edge.reversed() ? 0 : 1), !edge.reversed());
+  EdgeRef halfAtEnd(EdgeRef edge) const {
+    return EdgeRef(children_.half(edge.index(), edge.reversed() ? 0 : 1), !edge.reversed());
   }
-
-  /// Edge of a facet's split that cuts off the corner at a stored place.
-  Index cutEdge(Index facet, int corner) const { return 2 * e_ + 3 * facet + corner; }
 
   void splitFacet(Index facet) {
     const auto& edges = c_.facetEdges[facet];
-    const Index mid[3] = {v_ + edges[0].index(), v_ + edges[1].index(), v_ + edges[2].index()};
-    const Index ab = mid[0], bc = mid[1], ac = mid[2];
-    const Index first = cutEdge(facet, 0);
-    f_.edges[first] = {ab, ac};
-    f_.edges[first + 1] = {ab, bc};
-    f_.edges[first + 2] = {ac, bc};
+    const Index ab = children_.midpoint(edges[0].index());
+    const Index bc = children_.midpoint(edges[1].index());
+    const Index ac = children_.midpoint(edges[2].index());
+    const Index atA = children_.cut(facet, 0), atB = children_.cut(facet, 1),
+                atC = children_.cut(facet, 2);
+    f_.edges[atA] = {ab, ac};
+    f_.edges[atB] = {ab, bc};
+    f_.edges[atC] = {ac, bc};
     std::uint8_t flags = c_.facetOnBoundary(facet) ? kOnBoundary : 0;
     if (onControlFacet(facet)) flags |= kOnControlFacet;
-    for (int k = 0; k < 3; ++k) f_.edgeFlags[first + k] = flags;
-    const EdgeRef cutA(first, false), cutB(first + 1, false), cutC(first + 2, false);
-    auto* out = &f_.facetEdges[4 * facet];
+    for (const Index cut : {atA, atB, atC}) f_.edgeFlags[cut] = flags;
+    const EdgeRef cutA(atA, false), cutB(atB, false), cutC(atC, false);
+    auto* out = &f_.facetEdges[children_.onFacet(facet, 0)];
     out[0] = {halfAtStart(edges[0]), cutA, halfAtEnd(edges[2]).flippedIf(true)};  // (a,ab,ac)
     out[1] = {halfAtEnd(edges[0]).flippedIf(true), halfAtStart(edges[1]),         // (ab,b,bc)
               cutB.flippedIf(true)};
@@ -103,13 +103,11 @@ class Splitter {
     out[3] = {cutB, cutC.flippedIf(true), cutA.flippedIf(true)};                  // (ab,bc,ac)
   }
 
-  /// Facets on the control mesh's facets come first at every level.
   bool onControlFacet(Index facet) const {
-    const Complex* level = &c_;
-    while (level->coarse) {
-      level = level->coarse.get();
-      facet /= 4;
-      if (facet >= level->facetCount()) return false;
+    for (const Complex* level = c_.coarse.get(); level; level = level->coarse.get()) {
+      const ChildOf child = level->children().facet(facet);
+      if (child.origin != Origin::Facet) return false;
+      facet = child.parent;
     }
     return true;
   }
@@ -120,22 +118,25 @@ class Splitter {
     const FacetRef parent = facets[child.facet];
     const auto& slots = kPermutations[child.arrangement];
     if (child.corner < 3) {
-      return FacetRef(4 * parent.index() + parent.place(child.corner),
+      return FacetRef(children_.onFacet(parent.index(), parent.place(child.corner)),
                       permutationOf(parent.place(slots[0]), parent.place(slots[1])));
     }
     // In the middle child (ab,bc,ac) the midpoint that misses place m is at place m + 1.
-    return FacetRef(4 * parent.index() + 3, permutationOf((parent.place(slots[0]) + 1) % 3,
-                                                          (parent.place(slots[1]) + 1) % 3));
+    return FacetRef(
+        children_.onFacet(parent.index(), 3),
+        permutationOf((parent.place(slots[0]) + 1) % 3, (parent.place(slots[1]) + 1) % 3));
   }
 
   template <typename Facets>
   EdgeRef cutEdgeRef(const CutEdge& cut, const Facets& facets) const {
     const FacetRef parent = facets[cut.facet];
     const int to = 3 - cut.corner - cut.from;
-    return EdgeRef(cutEdge(parent.index(), parent.place(cut.corner)),
+    return EdgeRef(children_.cut(parent.index(), parent.place(cut.corner)),
                    parent.place(cut.from) > parent.place(to));
   }
 
+  /// @param firstTet, firstOct  the cell's first child of each shape
+  /// @param firstInside         the first facet inside it
   template <typename Shape, typename Facets, typename Vertices>
   void makeChildren(const Facets& facets, const Vertices& vertices, Index cell, Index firstTet,
                     Index firstOct, Index firstInside) {
@@ -148,11 +149,12 @@ class Splitter {
       f_.cellRegions[firstTet + k] = c_.cellRegions[cell];
     }
     for (int k = 0; k < tables.kOcts; ++k) {
-      for (int i = 0; i < 6; ++i) f_.octs[firstOct + k][i] = vertices[tables.octs[k][i]];
+      const Index oct = firstOct + k - f_.tetCount();
+      for (int i = 0; i < 6; ++i) f_.octs[oct][i] = vertices[tables.octs[k][i]];
       for (int i = 0; i < 8; ++i) {
-        f_.octFacets[firstOct + k][i] = childFacet(tables.octFacets[k][i], facets, firstInside);
+        f_.octFacets[oct][i] = childFacet(tables.octFacets[k][i], facets, firstInside);
       }
-      f_.cellRegions[f_.tetCount() + firstOct + k] = c_.cellRegions[cell];
+      f_.cellRegions[firstOct + k] = c_.cellRegions[cell];
     }
   }
 
@@ -160,9 +162,9 @@ class Splitter {
     const auto& facets = c_.tetFacets[tet];
     Index vertices[10];
     for (int i = 0; i < 4; ++i) vertices[i] = c_.tets[tet][i];
-    for (int k = 0; k < 6; ++k) vertices[4 + k] = v_ + c_.tetEdge(tet, k).index();
-    const Index firstInside = 4 * n_ + 4 * tet;
-    makeChildren<Tetrahedron>(facets, vertices, tet, 4 * tet, tet, firstInside);
+    for (int k = 0; k < 6; ++k) vertices[4 + k] = children_.midpoint(c_.tetEdge(tet, k).index());
+    const Index firstInside = children_.inTet(tet, 0), oct = children_.innerOct(tet);
+    makeChildren<Tetrahedron>(facets, vertices, tet, children_.cornerTet(tet, 0), oct, firstInside);
 
     const auto& tables = SplitTables<Tetrahedron>::get();
     for (int f = 0; f < 4; ++f) {
@@ -170,11 +172,10 @@ class Splitter {
         f_.facetEdges[firstInside + f][k] = cutEdgeRef(tables.insideCuts[f][k], facets);
       }
     }
-    const Index oct = f_.tetCount() + tet;
     const int frame = c_.cellFrames[tet];
     for (int k = 0; k < 4; ++k) {
-      f_.cellSigns[4 * tet + k] = c_.cellSigns[tet];
-      f_.cellFrames[4 * tet + k] = c_.cellFrames[tet];
+      f_.cellSigns[children_.cornerTet(tet, k)] = c_.cellSigns[tet];
+      f_.cellFrames[children_.cornerTet(tet, k)] = c_.cellFrames[tet];
     }
     // (ab,ac,ad,bd,bc,cd) turns the other way from (a,b,c,d).
     f_.cellSigns[oct] = static_cast<std::int8_t>(-c_.cellSigns[tet]);
@@ -187,15 +188,14 @@ class Splitter {
     const auto& facets = c_.octFacets[oct];
     Index vertices[19];
     for (int i = 0; i < 6; ++i) vertices[i] = c_.octs[oct][i];
-    for (int k = 0; k < 12; ++k) vertices[6 + k] = v_ + c_.octEdge(oct, k).index();
-    const Index centre = v_ + e_ + oct;
+    for (int k = 0; k < 12; ++k) vertices[6 + k] = children_.midpoint(c_.octEdge(oct, k).index());
+    const Index centre = children_.centre(oct);
     vertices[kCentreLabel] = centre;
     f_.vertexTypes[centre] = VertexType::R;
-    const Index firstTet = 4 * c_.tetCount() + 8 * oct, firstOct = c_.tetCount() + 6 * oct;
-    const Index firstInside = 4 * n_ + 4 * c_.tetCount() + 24 * oct;
+    const Index firstTet = children_.innerTet(oct, 0), firstOct = children_.cornerOct(oct, 0);
+    const Index firstInside = children_.inOct(oct, 0), firstSpoke = children_.spoke(oct, 0);
     makeChildren<Octahedron>(facets, vertices, cell, firstTet, firstOct, firstInside);
 
-    const Index firstSpoke = 2 * e_ + 3 * n_ + 12 * oct;
     for (int k = 0; k < 12; ++k) {
       f_.edges[firstSpoke + k] = {centre, vertices[6 + k]};
       f_.edgeFlags[firstSpoke + k] = 0;
@@ -215,31 +215,22 @@ class Splitter {
           static_cast<std::uint8_t>(lattice.compose(frame, lattice.octToTet[k]));
     }
     for (int k = 0; k < 6; ++k) {
-      f_.cellSigns[f_.tetCount() + firstOct + k] = c_.cellSigns[cell];
-      f_.cellFrames[f_.tetCount() + firstOct + k] = c_.cellFrames[cell];
+      f_.cellSigns[firstOct + k] = c_.cellSigns[cell];
+      f_.cellFrames[firstOct + k] = c_.cellFrames[cell];
     }
   }
 
   const Complex& c_;
   Complex& f_;
-  const Index v_, e_, n_;  // coarse vertices, edges, facets
+  const ChildNumbering children_;
 };
 
 }  // namespace
 
-std::int64_t splitCellCount(const Complex& coarse) {
-  return std::int64_t{5} * coarse.tetCount() + std::int64_t{14} * coarse.octCount();
-}
-
 std::shared_ptr<const Complex> split(const std::shared_ptr<const Complex>& coarse) {
-  const std::int64_t edges = std::int64_t{2} * coarse->edgeCount() +
-                             std::int64_t{3} * coarse->facetCount() +
-                             std::int64_t{12} * coarse->octCount();
-  const std::int64_t facets = std::int64_t{4} * (coarse->facetCount() + coarse->tetCount()) +
-                              std::int64_t{24} * coarse->octCount();
-  if (edges >= EdgeRef::kMaxEdges || facets >= FacetRef::kMaxFacets) {
-    throw InputError("levels", "one more level would have " +
-                                   std::to_string(splitCellCount(*coarse)) +
+  const ChildNumbering children = coarse->children();
+  if (children.edgeCount() >= EdgeRef::kMaxEdges || children.facetCount() >= FacetRef::kMaxFacets) {
+    throw InputError("levels", "one more level would have " + std::to_string(children.cellCount()) +
                                    " cells, more than can be numbered");
   }
   auto fine = std::make_shared<Complex>();

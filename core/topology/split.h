@@ -11,7 +11,4 @@ namespace octet {
 /// @throws InputError when the fine level would have more simplices than indices can tell apart.
 std::shared_ptr<const Complex> split(const std::shared_ptr<const Complex>& coarse);
 
-/// Number of cells one split makes of a complex.
-std::int64_t splitCellCount(const Complex& coarse);
-
 }  // namespace octet

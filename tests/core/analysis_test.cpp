@@ -174,7 +174,7 @@ void expectClosed(const Refiner& refiner, int level, Index vertex, BoundaryMode 
   ASSERT_EQ(cells.size(), ownCells.size());
   for (std::size_t k = 0; k < cells.size(); ++k) {
     const Index cell = cells[k].cell, own = ownCells[k].cell;
-    const Index child = c.cornerChild(f, cell, cells[k].place);
+    const Index child = c.children().cornerChild(cell, cells[k].place);
     const auto put = [&](auto ownRef, auto ref, auto fineRef) {
       before[ownRef.index()] = ownRef.sign() * form.at(ref);
       after[ownRef.index()] = ownRef.sign() * fine.at(fineRef);
