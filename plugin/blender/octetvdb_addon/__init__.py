@@ -2,9 +2,10 @@
 """OctetVDB for Blender: draw a cage and guide curves, get an incompressible flow as an OpenVDB volume.
 
 Thin over the Python module octetvdb, which is bundled with it. Modules: `library` finds that module;
-`problems` turns errors into reports; `properties` is what is stored in the .blend; `cage_mesh`,
-`guides`, `primitives`, `flow_data` and `volume` translate between Blender's data and the library's;
-`cage`, `flow`, `preview` and `bake` are the operators, `panel` shows them.
+`problems` turns errors into reports; `action` is what operators share; `properties` is what is stored
+in the .blend; `cage_mesh`, `guides`, `primitives`, `flow_data` and `volume` translate between
+Blender's data and the library's; `cage`, `flow`, `preview` and `bake` are the operators, `panel`
+shows them.
 """
 
 bl_info = {

@@ -6,7 +6,8 @@ import threading
 import bpy
 
 from . import cage_mesh, current, flow, flow_data, library, volume
-from .problems import Problem, describe, reported
+from .action import Action
+from .problems import Problem, reported
 
 # Seconds between looks at the thread.
 _TICK = 0.1
@@ -96,18 +97,16 @@ def _gather_frames(context, cage, frames):
         scene.frame_set(before)
 
 
-class OCTETVDB_OT_bake(bpy.types.Operator):
+class OCTETVDB_OT_bake(Action, bpy.types.Operator):
     """Bake the flow to an OpenVDB file and show it as a volume. Esc cancels"""
     bl_idname = "octetvdb.bake"
     bl_label = "Bake"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
         return not context.scene.octetvdb.task
 
-    @reported
-    def execute(self, context):
+    def run(self, context):
         cage = current.cage(context)
         job, frames = prepare(context, cage)
         job.run_here()
@@ -189,14 +188,4 @@ def certificate(report):
         *([worst.note] if worst.note else [])])
 
 
-_CLASSES = (OCTETVDB_OT_bake,)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((OCTETVDB_OT_bake,))

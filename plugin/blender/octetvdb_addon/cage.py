@@ -6,7 +6,8 @@ from bpy.props import EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from . import cage_mesh, flow_data, library
-from .problems import Problem, reported
+from .action import Action
+from .problems import Problem
 
 # Cells along the longest side of a cage whose spacing is not given.
 _CELLS_ACROSS = 8
@@ -27,11 +28,10 @@ def surface(context, obj):
     return points @ to_world[:3, :3].T + to_world[:3, 3], triangles.reshape(-1, 3)
 
 
-class OCTETVDB_OT_make_cage(bpy.types.Operator):
+class OCTETVDB_OT_make_cage(Action, bpy.types.Operator):
     """Make a cage of tetrahedra and octahedra from the active mesh"""
     bl_idname = "octetvdb.make_cage"
     bl_label = "Make Cage"
-    bl_options = {"REGISTER", "UNDO"}
 
     shape: EnumProperty(
         name="Shape", default="FILL",
@@ -47,8 +47,7 @@ class OCTETVDB_OT_make_cage(bpy.types.Operator):
     def poll(cls, context):
         return context.mode == "OBJECT"
 
-    @reported
-    def execute(self, context):
+    def run(self, context):
         octetvdb = library.need()
         source = context.active_object
         if source is None or source.type != "MESH" or not source.select_get():
@@ -69,36 +68,23 @@ class OCTETVDB_OT_make_cage(bpy.types.Operator):
                                             fit_boundary=settings.fit_boundary)
         cage = cage_mesh.create(context, f"{source.name} Cage", control)
         self.report({"INFO"}, f'"{cage.name}" has {control.complex.cell_count} cells')
-        return {"FINISHED"}
 
 
-class OCTETVDB_OT_open_asset(bpy.types.Operator, ImportHelper):
+class OCTETVDB_OT_open_asset(Action, bpy.types.Operator, ImportHelper):
     """Open a control asset (*.octet.json, *.octet) as a cage with its flow"""
     bl_idname = "octetvdb.open_asset"
     bl_label = "Open Control Asset"
-    bl_options = {"REGISTER", "UNDO"}
 
     filter_glob: StringProperty(default="*.octet.json;*.octet", options={"HIDDEN"})
 
-    @reported
-    def execute(self, context):
+    def run(self, context):
         octetvdb = library.need()
         asset = octetvdb.ControlAsset.read(self.filepath)
         cage = cage_mesh.create(context, asset.name or "Cage", asset.mesh)
         forms = [form for form in asset.forms if form.degree == 2]
         if forms:
             flow_data.store(cage, forms[0].coefficients())
-        return {"FINISHED"}
 
 
-_CLASSES = (OCTETVDB_OT_make_cage, OCTETVDB_OT_open_asset)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(
+    (OCTETVDB_OT_make_cage, OCTETVDB_OT_open_asset))

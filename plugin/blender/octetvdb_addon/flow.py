@@ -5,7 +5,8 @@ import numpy as np
 from bpy.props import EnumProperty
 
 from . import cage_mesh, current, flow_data, guides, library, primitives
-from .problems import Problem, reported
+from .action import Action
+from .problems import Problem
 from .properties import PRIMITIVES
 
 
@@ -87,15 +88,13 @@ def describe(report):
     return "\n".join(lines + list(report.remarks))
 
 
-class OCTETVDB_OT_use_guides(bpy.types.Operator):
+class OCTETVDB_OT_use_guides(Action, bpy.types.Operator):
     """Make the selected curves the guides of the cage; their custom property "speed" tells how fast
     it flows along them"""
     bl_idname = "octetvdb.use_guides"
     bl_label = "Use Selected Curves"
-    bl_options = {"REGISTER", "UNDO"}
 
-    @reported
-    def execute(self, context):
+    def run(self, context):
         cage = current.cage(context)
         curves = [obj for obj in context.selected_objects
                   if obj.type == "CURVE" and "octetvdb_preview" not in obj]
@@ -106,19 +105,16 @@ class OCTETVDB_OT_use_guides(bpy.types.Operator):
             cage.octetvdb.guides.add().object = obj
             if guides.SPEED not in obj:
                 obj[guides.SPEED] = 1.0
-        return {"FINISHED"}
 
 
-class OCTETVDB_OT_add_primitive(bpy.types.Operator):
+class OCTETVDB_OT_add_primitive(Action, bpy.types.Operator):
     """Add an empty at the 3D cursor whose flow adds to the cage's"""
     bl_idname = "octetvdb.add_primitive"
     bl_label = "Add Primitive"
-    bl_options = {"REGISTER", "UNDO"}
 
     kind: EnumProperty(name="Kind", items=PRIMITIVES[1:])
 
-    @reported
-    def execute(self, context):
+    def run(self, context):
         cage = current.cage(context)
         label = next(item[1] for item in PRIMITIVES if item[0] == self.kind)
         obj = bpy.data.objects.new(label, None)
@@ -129,17 +125,14 @@ class OCTETVDB_OT_add_primitive(bpy.types.Operator):
         obj.octetvdb.primitive = self.kind
         context.collection.objects.link(obj)
         cage.octetvdb.primitives.add().object = obj
-        return {"FINISHED"}
 
 
-class OCTETVDB_OT_fit(bpy.types.Operator):
+class OCTETVDB_OT_fit(Action, bpy.types.Operator):
     """Find the flow that follows the guides best, and add the primitives'"""
     bl_idname = "octetvdb.fit"
     bl_label = "Fit"
-    bl_options = {"REGISTER", "UNDO"}
 
-    @reported
-    def execute(self, context):
+    def run(self, context):
         cage = current.cage(context)
         control = cage_mesh.read(cage)
         options = fit_options(cage, control)
@@ -152,17 +145,7 @@ class OCTETVDB_OT_fit(bpy.types.Operator):
             for remark in report.remarks:
                 self.report({"WARNING"}, remark)
             self.report({"INFO"}, f"Guides are followed to {100 * report.residual:.1f} %")
-        return {"FINISHED"}
 
 
-_CLASSES = (OCTETVDB_OT_use_guides, OCTETVDB_OT_add_primitive, OCTETVDB_OT_fit)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(
+    (OCTETVDB_OT_use_guides, OCTETVDB_OT_add_primitive, OCTETVDB_OT_fit))

@@ -141,14 +141,5 @@ class OCTETVDB_PT_bake(_CagePanel, bpy.types.Panel):
             _lines(box, settings.certificate, "NONE")
 
 
-_CLASSES = (OCTETVDB_PT_cage, OCTETVDB_PT_flow, OCTETVDB_PT_preview, OCTETVDB_PT_bake)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(
+    (OCTETVDB_PT_cage, OCTETVDB_PT_flow, OCTETVDB_PT_preview, OCTETVDB_PT_bake))

@@ -4,25 +4,23 @@ import bpy
 import numpy as np
 
 from . import cage_mesh, current, flow_data, library
-from .problems import reported
+from .action import Action
 
 # Shares of a cage's mean cell size: longest arrow, radius of a streamline, and of an arrow's length:
 # its head.
 _ARROW_LENGTH, _LINE_RADIUS, _HEAD = 0.8, 0.02, 0.25
 
 
-class OCTETVDB_OT_preview(bpy.types.Operator):
+class OCTETVDB_OT_preview(Action, bpy.types.Operator):
     """Draw the flow as arrows and streamlines"""
     bl_idname = "octetvdb.preview"
     bl_label = "Preview"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
         return context.scene.octetvdb.cage is not None
 
-    @reported
-    def execute(self, context):
+    def run(self, context):
         octetvdb = library.need()
         cage = current.cage(context)
         settings = cage.octetvdb
@@ -36,7 +34,6 @@ class OCTETVDB_OT_preview(bpy.types.Operator):
         if settings.streamline_count:
             lines = octetvdb.streamlines(field, settings.streamline_count)
         _show(cage, "Streamlines", lines, _LINE_RADIUS * size)
-        return {"FINISHED"}
 
 
 def arrows(octetvdb, field, count, size):
@@ -89,14 +86,4 @@ def _show(cage, what, lines, radius):
         collection.objects.link(obj)
 
 
-_CLASSES = (OCTETVDB_OT_preview,)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((OCTETVDB_OT_preview,))

@@ -98,12 +98,12 @@ class OctetScene(bpy.types.PropertyGroup):
     task: StringProperty(options={"HIDDEN"})
 
 
-_CLASSES = (OctetReference, OctetObject, OctetScene)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(
+    (OctetReference, OctetObject, OctetScene))
 
 
 def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
+    _register_classes()
     bpy.types.Object.octetvdb = PointerProperty(type=OctetObject)
     bpy.types.Scene.octetvdb = PointerProperty(type=OctetScene)
 
@@ -111,5 +111,4 @@ def register():
 def unregister():
     del bpy.types.Scene.octetvdb
     del bpy.types.Object.octetvdb
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister_classes()
