@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-#include <octet/core/geometry/mean_edge.h>
+#include <octet/core/topology/mean_edge.h>
 
 #include "../control_asset/refinement.h"
 #include "../vdb/vdb_sampler.h"

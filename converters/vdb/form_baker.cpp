@@ -9,8 +9,8 @@
 #include <octet/core/field/vertex_field.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/with_degree.h>
-#include <octet/core/geometry/mean_edge.h>
 #include <octet/core/hodge/flux_rasterizer.h>
+#include <octet/core/topology/mean_edge.h>
 
 namespace octet {
 namespace {

@@ -6,8 +6,8 @@
 #include <unistd.h>
 
 #include <octet/core/base/error.h>
-#include <octet/core/geometry/domain_box.h>
-#include <octet/core/geometry/mean_edge.h>
+#include <octet/core/topology/domain_box.h>
+#include <octet/core/topology/mean_edge.h>
 
 namespace octet {
 namespace {

@@ -2,7 +2,7 @@
 #include "field.h"
 
 #include "../base/parallel.h"
-#include "../geometry/domain_box.h"
+#include "../topology/domain_box.h"
 #include "vertex_field.h"
 #include "whitney.h"
 

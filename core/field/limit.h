@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../analysis/limit_masks.h"
 #include "../refine/refiner.h"
 #include "../refine/sparse_row.h"
+#include "limit_masks.h"
 
 namespace octet {
 

@@ -7,7 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "../base/parallel.h"
-#include "../geometry/domain_box.h"
+#include "../topology/domain_box.h"
 #include "block_bins.h"
 
 namespace octet {

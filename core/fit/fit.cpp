@@ -6,7 +6,7 @@
 
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
-#include "../geometry/mean_edge.h"
+#include "../topology/mean_edge.h"
 #include "../hodge/coboundary_matrix.h"
 #include "conflicts.h"
 #include "influence.h"

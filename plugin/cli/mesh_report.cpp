@@ -6,8 +6,8 @@
 #include <map>
 
 #include <octet/core/cage/quality.h>
-#include <octet/core/geometry/domain_box.h>
 #include <octet/core/topology/boundary.h>
+#include <octet/core/topology/domain_box.h>
 
 #include "console.h"
 

@@ -11,9 +11,9 @@
 #include <octet/core/field/field.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/de_rham.h>
-#include <octet/core/geometry/domain_box.h>
-#include <octet/core/geometry/mean_edge.h>
 #include <octet/core/hodge/flux_rasterizer.h>
+#include <octet/core/topology/domain_box.h>
+#include <octet/core/topology/mean_edge.h>
 
 #include "tests/support/meshes.h"
 #include "tests/support/voxels.h"

@@ -16,8 +16,8 @@
 #include <octet/core/base/error.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/de_rham.h>
-#include <octet/core/geometry/mean_edge.h>
 #include <octet/core/hodge/projection.h>
+#include <octet/core/topology/mean_edge.h>
 
 #include "tests/support/meshes.h"
 

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include <octet/core/analysis/limit_masks.h>
+#include <octet/core/field/limit_masks.h>
 #include <octet/core/refine/refiner.h>
 
 #include "tests/support/meshes.h"

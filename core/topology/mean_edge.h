@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../topology/complex.h"
+#include "complex.h"
 
 namespace octet {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../topology/complex.h"
-#include "box_bins.h"
+#include "../geometry/box_bins.h"
+#include "complex.h"
 
 namespace octet {
 
