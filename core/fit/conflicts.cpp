@@ -2,6 +2,7 @@
 #include "conflicts.h"
 
 #include <algorithm>
+#include <map>
 
 #include "../geometry/box_bins.h"
 
@@ -14,11 +15,6 @@ constexpr double kMissed = 0.2;    // likewise
 constexpr double kOtherArc = 2;    // mean edges along a curve: then it is another part of it
 
 }  // namespace
-
-const std::string& guideName(const Guides& guides, std::size_t k) {
-  return k < guides.curves.size() ? guides.curves[k].name
-                                  : guides.vectors[k - guides.curves.size()].name;
-}
 
 std::vector<GuideConflict> findConflicts(const Guides& guides,
                                          const std::vector<GuideSample>& samples,

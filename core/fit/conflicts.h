@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "fit.h"
+#include "fit_report.h"
+#include "guides.h"
 
 namespace octet {
-
-/// Name of guide `k`: curves first, then vectors.
-const std::string& guideName(const Guides& guides, std::size_t k);
 
 /// @brief Finds guides that no field of the cage's resolution can follow both: samples of two
 /// guides, or of two arcs of one, closer than half a mean edge, whose wanted vectors differ by more

@@ -6,9 +6,13 @@
 #include <optional>
 
 #include "../refine/refiner.h"
+#include "fit_report.h"
 #include "guides.h"
 
 namespace octet {
+
+struct FitDomain;
+class FittedField;
 
 /// What a fitted field is made of, and so what holds for it exactly.
 enum class FitKind : std::uint8_t {
@@ -33,40 +37,6 @@ struct FitOptions {
   double spacing = 0;  ///< of samples along curves, world units; 0: a quarter of the mean edge
   double zeta = kDefaultZeta;
   ProgressCallback progress{};
-};
-
-/// How well one guide is followed. Errors are |v - wanted| / |wanted|, root mean square over the
-/// guide's length.
-struct GuideReport {
-  std::string name;
-  std::size_t samples = 0;
-  double residual = 0;  ///< relative, 0.01 is one percent
-  double worst = 0;     ///< at one sample, relative to the guide's own mean speed
-};
-
-/// Two guides that ask for different things in nearly the same place, and neither is followed
-/// there.
-struct GuideConflict {
-  std::string first, second;  ///< names; the same for a curve that crosses itself
-  Vec3 point;                 ///< where they disagree most
-  double disagreement = 0;    ///< |wanted - wanted| / the greater of both
-  double residual = 0;        ///< the greater of both, there
-};
-
-struct FitReport {
-  std::vector<GuideReport> guides;  ///< curves, then vectors
-  double residual = 0;              ///< of all guides, relative, root mean square by weight
-  std::vector<GuideConflict> conflicts;
-  std::vector<std::string> remarks;  ///< what the user should know: little data, ill-posed, ...
-  std::size_t equations = 0;
-  Index unknowns = 0;
-  bool direct = true;  ///< solved by factorisation
-  int iterations = 0;
-  double solverResidual = 0;
-  /// Largest |flux| through a closed wall facet, relative to the largest flux: 0 for 2-forms; for a
-  /// curl-free field the normal part of the limit field on the walls, relative to its size there.
-  double wallFlux = 0;
-  double divergence = 0;  ///< largest |d v| of a cell relative to the largest |v|, for 2-forms
 };
 
 /// Coefficients on the control mesh.
@@ -100,8 +70,8 @@ class Fit {
   FitResult solve(const Guides& guides) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<const FitDomain> domain_;
+  std::unique_ptr<const FittedField> field_;
 };
 
 }  // namespace octet

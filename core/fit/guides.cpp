@@ -94,6 +94,11 @@ void sampleCurve(const GuideCurve& curve, std::size_t guide, double spacing,
 
 }  // namespace
 
+const std::string& guideName(const Guides& guides, std::size_t k) {
+  return k < guides.curves.size() ? guides.curves[k].name
+                                  : guides.vectors[k - guides.curves.size()].name;
+}
+
 std::string guidePlace(const GuideCurve& curve, std::size_t point) {
   if (point < curve.places.size()) return curve.places[point] + ", " + quoted(curve.name);
   return quoted(curve.name) + ", point " + std::to_string(point + 1);

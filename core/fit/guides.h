@@ -43,6 +43,9 @@ struct GuideSample {
   std::size_t row;    ///< point of the curve that it follows, for messages
 };
 
+/// Name of guide `k`: curves first, then vectors.
+const std::string& guideName(const Guides& guides, std::size_t k);
+
 /// "file: place" of a guide's point for an InputError.
 std::string guidePlace(const GuideCurve& curve, std::size_t point);
 

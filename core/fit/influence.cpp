@@ -49,9 +49,9 @@ std::vector<SparseRow> Influence<K>::vertexRows(const std::vector<Index>& vertic
 }
 
 template <int K>
-typename Influence<K>::Rows Influence<K>::at(const std::vector<Vec3>& points,
-                                             const ProgressCallback& progress) const {
-  Rows result;
+InfluenceRows Influence<K>::at(const std::vector<Vec3>& points,
+                               const ProgressCallback& progress) const {
+  InfluenceRows result;
   result.rows.resize(3 * points.size());
   result.inside.resize(points.size());
   std::vector<VertexWeights> where(points.size());

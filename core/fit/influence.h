@@ -7,6 +7,12 @@
 
 namespace octet {
 
+/// Functionals over the control coefficients of a form: its limit vectors at points.
+struct InfluenceRows {
+  std::vector<SparseRow> rows;       ///< 3 i + axis for point i; empty outside the domain
+  std::vector<std::uint8_t> inside;  ///< per point
+};
+
 /// @brief How the limit field at given points depends on the control coefficients of a K-form,
 /// K = 1 or 2: the adjoint of refinement, limit masks and interpolation, exact to rounding, not by
 /// finite differences.
@@ -21,13 +27,7 @@ class Influence {
   Influence(const Refiner& refiner, const Limit& limit, BoundaryMode mode,
             const std::vector<std::uint8_t>& zero);
 
-  /// Functionals over the control coefficients.
-  struct Rows {
-    std::vector<SparseRow> rows;       ///< 3 i + axis for point i; empty outside the domain
-    std::vector<std::uint8_t> inside;  ///< per point
-  };
-
-  Rows at(const std::vector<Vec3>& points, const ProgressCallback& progress = {}) const;
+  InfluenceRows at(const std::vector<Vec3>& points, const ProgressCallback& progress = {}) const;
 
   const PointLocator& locator() const { return locator_; }
 
