@@ -32,8 +32,8 @@ struct AssetUnits {
   double framesPerSecond = 24.0;
 };
 
-/// @brief A control asset: a control mesh with forms on it, the input of everything (product.md,
-/// "Control asset").
+/// @brief A control asset: a control mesh with forms on it, the input of everything
+/// (converters/README.md, "Control asset").
 struct ControlAsset {
   std::string name;
   AssetUnits units;

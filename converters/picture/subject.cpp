@@ -69,7 +69,7 @@ void setField(const ControlAsset& asset, const Form& form, const Refinement& ref
 }
 
 /// Edge e of a level as a polyline of the finest level's vertices: halves of edge e are 2e and
-/// 2e + 1 on the next level, in order (scheme.md section 3).
+/// 2e + 1 on the next level, in order (SCHEME.md section 3).
 SubjectShape::Polyline refinedEdge(const Refinement& refiner, int level, Index edge,
                                    const Array<Vec3>& positions) {
   const int steps = refiner.levels() - level;

@@ -52,9 +52,9 @@ struct BakeReport {
   std::vector<BakedFile> files;
 };
 
-/// @brief The main job: control asset to OpenVDB. One grid per form (product.md, "Command line");
-/// an animated asset becomes a numbered sequence `name.0001.vdb`, for which topology is refined
-/// once.
+/// @brief The main job: control asset to OpenVDB. One grid per form (converters/README.md,
+/// "Grids"); an animated asset becomes a numbered sequence `name.0001.vdb`, for which topology is
+/// refined once.
 /// @throws InputError, IoError, Cancelled; files finished before stay, the one in work does not.
 BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path);
 

@@ -11,7 +11,7 @@
 namespace octet {
 
 /// @brief What OpenVDB's own difference operators find in the stored values of a vector grid
-/// (scheme.md section 9): forward differences for a staggered grid, central ones for any other, as
+/// (SCHEME.md section 9): forward differences for a staggered grid, central ones for any other, as
 /// its divergence tool takes. Values that are saved as 16-bit floats are measured as such.
 ///
 /// Inside means: active voxels where every voxel that the operator reads is active too. Divergence

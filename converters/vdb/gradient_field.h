@@ -8,7 +8,7 @@
 
 namespace octet {
 
-/// @brief A potential f whose gradient is second-order accurate (scheme.md section 9): with limit
+/// @brief A potential f whose gradient is second-order accurate (SCHEME.md section 9): with limit
 /// values f_i, limit vectors V_i and barycentric coordinates l_i, f(x) = sum l_i (f_i + V_i . (x -
 /// x_i) / 2), which reproduces quadratic functions. It is the sum of two fields that are linear in
 /// pieces: f(x) = base(x) + x . vectors(x) / 2.

@@ -8,8 +8,8 @@
 
 namespace octet {
 
-/// @brief What a renderer or DCC tool expects of a .vdb (product.md, "OpenVDB and renderer
-/// conventions"). The one place where these are written down.
+/// @brief What a renderer or DCC tool expects of a .vdb (converters/README.md, "Targets"). The
+/// one place in the code where these are written down.
 struct Target {
   const char* name;          ///< as given on the command line
   const char* velocityName;  ///< grid name that it looks for; empty: the form's own

@@ -17,7 +17,7 @@ struct LocalSubdivisionOptions {
   bool settle = true;
 };
 
-/// @brief The subdivision matrix of a vertex' 1-ring (thesis 1.1 and 4.3.1, scheme.md section 5).
+/// @brief The subdivision matrix of a vertex' 1-ring (thesis 1.1 and 4.3.1, SCHEME.md section 5).
 ///
 /// A vertex persists under refinement and its fine star looks like its coarse one: the child that
 /// keeps the corner of a cell has the cell's own local numbering, so simplices of the two stars are

@@ -6,7 +6,7 @@
 
 namespace octet {
 
-/// @brief The patch test of scheme.md section 7 on the inside of one level, for a method that
+/// @brief The patch test of SCHEME.md section 7 on the inside of one level, for a method that
 /// places vertices itself: PatchTest goes by the places of the refiner.
 ///
 /// Corrects D2 at every fine edge without a vertex on the boundary, by the row of least norm on the
@@ -24,7 +24,7 @@ class InnerPatchTest {
   void correct(const Cochain<2>& coarse, Cochain<2>* fine) const;
 
  private:
-  /// R of scheme.md, by fine edge; rounding and edges at the boundary are 0.
+  /// R of SCHEME.md, by fine edge; rounding and edges at the boundary are 0.
   Array<Vec3> residuals(const Refiner& refiner, int level, const Array<Vec3>& oldPositions,
                         const Array<Vec3>& newPositions) const;
   Cochain<2> linear(const Cochain<2>& coarse) const;

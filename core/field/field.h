@@ -8,7 +8,7 @@
 
 namespace octet {
 
-/// How a field is rebuilt from coefficients (scheme.md section 9).
+/// How a field is rebuilt from coefficients (SCHEME.md section 9).
 enum class Reconstruction : std::uint8_t {
   Limit,    ///< limit vectors at vertices, linear in between: continuous, second order
   Whitney,  ///< Whitney forms on the finest level: first order, exact integrals

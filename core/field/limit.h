@@ -7,7 +7,7 @@
 
 namespace octet {
 
-/// @brief Limits at the vertices of a refiner's finest level (scheme.md sections 5 and 9): one
+/// @brief Limits at the vertices of a refiner's finest level (SCHEME.md sections 5 and 9): one
 /// value or vector per vertex, to be interpolated linearly. Second-order accurate, while piecewise
 /// Whitney forms are first-order and jump.
 ///

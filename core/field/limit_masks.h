@@ -15,7 +15,7 @@ struct MaskTerm {
   Vec3 weight;  ///< first component only, for degrees 0 and 3
 };
 
-/// @brief Exact limit masks at a regular vertex (scheme.md section 5): left eigenvectors of the
+/// @brief Exact limit masks at a regular vertex (SCHEME.md section 5): left eigenvectors of the
 /// subdivision of its 1-ring, dual to constants. Applied to coefficients along the lattice classes
 /// they give the limit value (degree 0), the limit vector in lattice coordinates (degree 1), the
 /// limit flux density in them (degree 2) and the limit mass per lattice volume (degree 3).

@@ -7,7 +7,7 @@
 
 namespace octet {
 
-/// @brief The Whitney form of a cochain, cell by cell (thesis 3.2, scheme.md section 9). In a
+/// @brief The Whitney form of a cochain, cell by cell (thesis 3.2, SCHEME.md section 9). In a
 /// tetrahedron it is linear; an octahedron has no closed form and is refined by the linear rules
 /// until what is asked for lies in tetrahedra. Lowest order, tangential (1-forms) or normal
 /// (2-forms) components continuous. Immutable; thread safe.

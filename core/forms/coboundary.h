@@ -5,7 +5,7 @@
 
 namespace octet {
 
-/// @name Exterior derivative: signed incidence (thesis 3.1.3, scheme.md section 2)
+/// @name Exterior derivative: signed incidence (thesis 3.1.3, SCHEME.md section 2)
 /// d d = 0 holds exactly in exact arithmetic and to rounding in doubles. Thread safe.
 /// @{
 Cochain<1> d(const Complex& complex, const Cochain<0>& f);

@@ -7,7 +7,7 @@
 namespace octet {
 
 /// @brief Finds the x of least energy x' M x / 2 - g' x with D x = b, M symmetric and positive
-/// definite: the sparse saddle-point problem behind projections and potentials (scheme.md section
+/// definite: the sparse saddle-point problem behind projections and potentials (SCHEME.md section
 /// 9). With g = M t it is the x nearest to t. Rows of D may depend on one another, as those of a
 /// coboundary do.
 ///

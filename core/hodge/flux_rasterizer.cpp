@@ -293,7 +293,7 @@ void rasterizePatches(const PotentialField& field, const GridFrame& frame,
 }
 
 /// How much of its Laplacian is added to a velocity. By the limit on the lattice, times the edge
-/// squared: a sixth of its mask's second moment (scheme.md section 5: 12 neighbours of weight
+/// squared: a sixth of its mask's second moment (SCHEME.md section 5: 12 neighbours of weight
 /// 19/387 at distance 1, 6 of 5/774 at sqrt 2). By the mean over a square of 2 x 2 voxels, times
 /// the voxel squared: v_x gains (v_x,yy + v_x,zz) / 6 and so on, which is nearest to 2/15 of the
 /// Laplacian in the mean over plane waves of all directions without divergence.

@@ -7,7 +7,7 @@
 namespace octet {
 
 /// @brief Velocities of a staggered grid whose discrete divergence is zero: mean fluxes of d A
-/// through the faces of voxels, each the circulation of A around its four sides (scheme.md section
+/// through the faces of voxels, each the circulation of A around its four sides (SCHEME.md section
 /// 9). The integral along a side is exact, piece by piece, so a mean is that of the continuous
 /// velocity; and whatever is left of rounding, a side has one value, so the fluxes out of a voxel
 /// cancel: component c at ijk is the mean over the voxel face at ijk - 1/2 along c, and the forward

@@ -8,7 +8,7 @@
 namespace octet {
 
 /// @brief The mass matrix of the Whitney k-forms of a level: x' M y is the integral of the inner
-/// product of the fields of the cochains x and y (scheme.md section 9), so x' M x is a field's
+/// product of the fields of the cochains x and y (SCHEME.md section 9), so x' M x is a field's
 /// energy. Rows and columns are the level's simplices along their stored orientation; symmetric,
 /// positive definite.
 ///

@@ -38,7 +38,7 @@ struct VectorPotential {
   bool zeroOnBoundary;  ///< A is 0 on every boundary edge: then nothing crosses the walls
 };
 
-/// @brief Finds potentials of closed 2-forms on a control mesh (scheme.md section 9): of all A with
+/// @brief Finds potentials of closed 2-forms on a control mesh (SCHEME.md section 9): of all A with
 /// d A = w the one of least energy, which is the smooth one (it has no divergence).
 ///
 /// First among those that vanish on the boundary, which exist when w does and no flow goes around

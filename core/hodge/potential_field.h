@@ -21,7 +21,7 @@ struct PotentialPiece {
 };
 
 /// @brief A vector potential whose curl is an accurate velocity: second order, without divergence
-/// at any point, with exactly the fluxes of a 2-form (scheme.md section 9).
+/// at any point, with exactly the fluxes of a 2-form (SCHEME.md section 9).
 ///
 /// The Whitney form of A has the right circulations, but its curl is constant between facets, only
 /// first-order accurate. Facet functions l_x W_yz, which vanish along all edges, add what the

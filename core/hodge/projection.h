@@ -20,7 +20,7 @@ enum class BoundaryRule : std::uint8_t {
 
 /// @brief The closed form nearest to a given one, d w' = 0, in the norm of the mass matrix: among
 /// all fields without divergence (K = 2) or curl (K = 1) the one that differs least in energy
-/// (scheme.md section 9). Closed on the control mesh is closed at every level.
+/// (SCHEME.md section 9). Closed on the control mesh is closed at every level.
 ///
 /// Made once per mesh, applied to any number of forms. Const members are thread safe. Uses a direct
 /// sparse solver: for control meshes, up to some ten thousand cells.

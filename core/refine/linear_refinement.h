@@ -6,7 +6,7 @@
 
 namespace octet {
 
-/// @brief The linear (Whitney) subdivision operators L0..L3 from a level to the next (scheme.md
+/// @brief The linear (Whitney) subdivision operators L0..L3 from a level to the next (SCHEME.md
 /// section 4). They commute with d for every zeta. Arrays have the levels' counts. Thread safe.
 class LinearRefinement {
  public:

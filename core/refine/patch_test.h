@@ -7,7 +7,7 @@
 
 namespace octet {
 
-/// @brief The correction of D2 that makes constant fluxes exact on any mesh (scheme.md section 7):
+/// @brief The correction of D2 that makes constant fluxes exact on any mesh (SCHEME.md section 7):
 /// a row C_e of least norm per edge with sum_f C_ef A_f = R_e, where R is by how much smoothing the
 /// vector potential of constants misses the potential at the new positions.
 ///

@@ -19,7 +19,7 @@ struct RefinerOptions {
   ProgressCallback progress{};                        ///< called several times per level
 };
 
-/// @brief Subdivides a control mesh and the forms on it (scheme.md sections 3 to 8).
+/// @brief Subdivides a control mesh and the forms on it (SCHEME.md sections 3 to 8).
 ///
 /// The operators of each level are built once, from topology and control positions, and then
 /// applied to any number of forms of degree 0 to 3: an animated asset pays for its topology once.

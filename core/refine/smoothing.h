@@ -11,7 +11,7 @@ namespace octet {
 
 class PatchTest;
 
-/// How forms are refined at the boundary (scheme.md section 8).
+/// How forms are refined at the boundary (SCHEME.md section 8).
 enum class BoundaryMode : std::uint8_t {
   Walls,  ///< boundary simplices use boundary simplices only: zero wall flux stays exactly zero
   Open,   ///< constants are exact everywhere, flux through a curved wall is not kept at zero
@@ -30,7 +30,7 @@ struct Correction {
   BoundaryMode mode = BoundaryMode::Walls;
 };
 
-/// @brief The smoothing operators M0..M3 on one level (scheme.md sections 5 to 8): averages over
+/// @brief The smoothing operators M0..M3 on one level (SCHEME.md sections 5 to 8): averages over
 /// lattice translates on regular simplices, the homotopy M = I - d D - D d elsewhere, on the wall
 /// surface by rows that stay there.
 ///

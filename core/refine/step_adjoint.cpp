@@ -71,7 +71,7 @@ void StepAdjoint::listWallEdges() {
   for (Index k = 0; k < boundary_.edgeCount(); ++k) wallEdges_[boundary_.edges[k]] = k;
 }
 
-/// L1 (scheme.md section 4).
+/// L1 (SCHEME.md section 4).
 template <typename Add>
 void StepAdjoint::linearEdge(Index fineEdge, double weight, const Add& add) const {
   const ChildOf child = c_.children().edge(fineEdge);
@@ -96,7 +96,7 @@ void StepAdjoint::linearEdge(Index fineEdge, double weight, const Add& add) cons
   }
 }
 
-/// L2 (scheme.md section 4).
+/// L2 (SCHEME.md section 4).
 template <typename Add>
 void StepAdjoint::linearFacet(Index fineFacet, double weight, const Add& add) const {
   const ChildOf child = c_.children().facet(fineFacet);
@@ -212,7 +212,7 @@ Vec3 StepAdjoint::area(Index fineFacet) const {
   return sum;
 }
 
-/// The correction C of D2 times L2 (scheme.md section 7), over coarse facets.
+/// The correction C of D2 times L2 (SCHEME.md section 7), over coarse facets.
 template <typename Add>
 void StepAdjoint::patchTestRow(Index e, double weight, const Add& add) const {
   if (!patchTest_) return;

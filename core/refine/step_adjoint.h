@@ -9,7 +9,7 @@
 namespace octet {
 
 /// @brief Rows of one subdivision step S_k, k = 1 or 2: how a coefficient on the fine level depends
-/// on those of the coarse one (scheme.md sections 4 to 8). What Smoothing and PatchTest apply to
+/// on those of the coarse one (SCHEME.md sections 4 to 8). What Smoothing and PatchTest apply to
 /// whole levels, written out for single simplices; both agree to rounding, on every mesh and in
 /// both boundary modes. Thread safe; the refiner must outlive it.
 class StepAdjoint {

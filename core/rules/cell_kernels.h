@@ -6,7 +6,7 @@
 /// @file
 /// What one coarse cell contributes to the smoothing of its fine edges and vertices. Linear
 /// subdivision of a cell depends on that cell alone, and so does a cell's part in the mean over a
-/// star; so the rows D1 and D2 of irregular simplices (scheme.md section 6), applied after the
+/// star; so the rows D1 and D2 of irregular simplices (SCHEME.md section 6), applied after the
 /// linear rule, are sums over coarse cells of small fixed matrices times the cell's own
 /// coefficients.
 

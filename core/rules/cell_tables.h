@@ -5,7 +5,7 @@
 #include <cstdint>
 
 /// @file
-/// The two cell shapes of an octet complex, as tables of local indices (scheme.md section 2, thesis
+/// The two cell shapes of an octet complex, as tables of local indices (SCHEME.md section 2, thesis
 /// Figs 3.1 and 3.2 counted from 0). Everything else about a cell is derived from them.
 
 namespace octet {

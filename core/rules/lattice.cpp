@@ -86,7 +86,7 @@ class ChainSolver {
 
   const Chain& edgeHomotopy(const Int3& t) const { return edgeChains_.at(t); }
 
-  /// D1 of a regular vertex (scheme.md section 6), as a chain of sorted edges.
+  /// D1 of a regular vertex (SCHEME.md section 6), as a chain of sorted edges.
   Chain vertexHomotopy(const Int3& v) const {
     Chain chain;
     std::vector<const Cell*> star;
@@ -433,7 +433,7 @@ Lattice::Lattice() {
     octPlacements[g] = placement<Octahedron>(*this, g);
   }
 
-  // Children (scheme.md section 3), in coordinates of the fine lattice.
+  // Children (SCHEME.md section 3), in coordinates of the fine lattice.
   {
     const auto& t = canonicalPoints<Tetrahedron>();
     const auto& o = canonicalPoints<Octahedron>();

@@ -19,7 +19,7 @@ using Int3 = std::array<int, 3>;
 
 inline constexpr int kEdgeClasses = 6, kFacetClasses = 8, kCellClasses = 3;
 
-/// The points that smoothing averages over (scheme.md section 5): the point itself (last), its 12
+/// The points that smoothing averages over (SCHEME.md section 5): the point itself (last), its 12
 /// neighbours and the 6 second neighbours across an octahedron.
 inline constexpr int kNeighbours = 18, kSelf = 18;
 
@@ -56,7 +56,7 @@ struct LatticeTerm {
 
 /// @brief Tables of the lattice, computed once from its geometry.
 ///
-/// `edgeHomotopy` and `facetHomotopy` are the rows of D2 and D3 (scheme.md section 6) that make
+/// `edgeHomotopy` and `facetHomotopy` are the rows of D2 and D3 (SCHEME.md section 6) that make
 /// M1 and M2 the average over translates: for an edge the 2-chain of least norm to its average, for
 /// a facet the unique 3-chain. They are needed only next to irregular simplices, where the complex
 /// stays exact because both sides use the same chains.

@@ -8,10 +8,10 @@
 namespace octet {
 
 /// The thesis' free parameter: zeta = -5 is the only value at which the regular scheme reproduces
-/// all quadratic 1-forms and all linear and quadratic 2-forms (scheme.md section 4).
+/// all quadratic 1-forms and all linear and quadratic 2-forms (SCHEME.md section 4).
 inline constexpr double kDefaultZeta = -5.0;
 
-/// @brief Linear (Whitney) subdivision inside one cell (scheme.md section 4, thesis 3.3 and 4.1) as
+/// @brief Linear (Whitney) subdivision inside one cell (SCHEME.md section 4, thesis 3.3 and 4.1) as
 /// small matrices over the cell's own edges (lower to higher local vertex) and outward facets. The
 /// rules on edges and facets of the coarse level need no table: 1/2, 1/4.
 struct LinearRules {

@@ -38,7 +38,7 @@ struct FineVertices {
 template <std::size_t N>
 using Row = std::array<double, N>;
 
-/// @brief The linear rule inside one cell (scheme.md section 4), by labels of fine vertices
+/// @brief The linear rule inside one cell (SCHEME.md section 4), by labels of fine vertices
 /// (split_tables.h): any fine edge or facet as a row over the cell's edges (lower to higher local
 /// vertex) or outward facets.
 template <typename Shape>

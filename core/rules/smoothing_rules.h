@@ -5,7 +5,7 @@
 #include <cmath>
 
 /// @file
-/// The numbers of the smoothing homotopy on any mesh (scheme.md section 6) and of the wall surface
+/// The numbers of the smoothing homotopy on any mesh (SCHEME.md section 6) and of the wall surface
 /// (section 8).
 
 namespace octet {
@@ -58,7 +58,7 @@ inline constexpr std::array<SurfaceTerm, 6> kSurfaceEdgeTerms = {{{false, 0, 1.0
                                                                   {true, 1, 1.0 / 8},
                                                                   {true, 4, -1.0 / 8}}};
 
-/// Damping of the patch test on walls (scheme.md section 8): weak = kWallDamping * max(s).
+/// Damping of the patch test on walls (SCHEME.md section 8): weak = kWallDamping * max(s).
 inline constexpr double kWallDamping = 0.04;
 
 }  // namespace octet

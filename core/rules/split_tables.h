@@ -6,7 +6,7 @@
 #include "cell_tables.h"
 
 /// @file
-/// How one cell splits (scheme.md section 3), as tables of labels: children, the facets between
+/// How one cell splits (SCHEME.md section 3), as tables of labels: children, the facets between
 /// them and the edges of those facets. Fine vertices of a split cell are labelled: coarse vertex i,
 /// then the midpoint of local edge k, then (of an octahedron) the centre.
 
@@ -38,7 +38,7 @@ constexpr int midpointLabel(int i, int j) {
 }
 inline constexpr int kCentreLabel = Octahedron::kVertices + Octahedron::kEdges;
 
-/// The split of one shape. Order of the children and of the inside facets: scheme.md section 3.
+/// The split of one shape. Order of the children and of the inside facets: SCHEME.md section 3.
 template <typename Shape>
 struct SplitTables {
   static constexpr bool kTet = Shape::kVertices == 4;

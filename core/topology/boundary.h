@@ -5,7 +5,7 @@
 
 namespace octet {
 
-/// How a boundary vertex moves on the wall surface (scheme.md section 8): with all its
+/// How a boundary vertex moves on the wall surface (SCHEME.md section 8): with all its
 /// neighbours (Loop's scheme), along its two creases (cubic B-spline), or not at all.
 enum class BoundaryKind : std::uint8_t { Smooth, Crease, Corner };
 

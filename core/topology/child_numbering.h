@@ -15,7 +15,7 @@ struct ChildOf {
   int place;
 };
 
-/// @brief Numbers the children of one split, there and back (scheme.md section 3): the only place
+/// @brief Numbers the children of one split, there and back (SCHEME.md section 3): the only place
 /// that does arithmetic on their indices. Built from the coarse level's counts.
 ///
 /// Places count as follows. Halves of an edge: 0 at its start, 1 at its end. Edges and facets

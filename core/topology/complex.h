@@ -23,7 +23,7 @@ enum EdgeFlag : std::uint8_t {
 };
 
 /// @brief The topology of one level: cells, facets and edges with stored orientation, and their
-/// incidence (scheme.md section 2). Structure of arrays; immutable once built, so it may be read
+/// incidence (SCHEME.md section 2). Structure of arrays; immutable once built, so it may be read
 /// from many threads.
 ///
 /// A simplex's orientation is the order in which its vertices are stored. Cells carry a sign,

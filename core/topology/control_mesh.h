@@ -26,8 +26,8 @@ struct ControlMeshInput {
   Array<std::int8_t> cellSigns;
 };
 
-/// @brief A validated control mesh: positions, complex and boundary features (product.md, "Control
-/// asset"). Immutable and cheap to copy.
+/// @brief A validated control mesh: positions, complex and boundary features
+/// (converters/README.md, "Control asset"). Immutable and cheap to copy.
 ///
 /// Edges and facets are numbered in lexicographic order of their sorted vertices and stored
 /// ascending. The boundary may touch itself in vertices and edges.

@@ -27,7 +27,7 @@ class LatticeRef {
 /// @brief The lattice structure of one level: a site for every vertex in every lattice region at
 /// it, with the site's lattice neighbours and the simplices based there, and which of these are
 /// regular. A simplex is regular when all its vertices are of type R and its 19 translates exist in
-/// the region (scheme.md section 6); then smoothing is the average over translates.
+/// the region (SCHEME.md section 6); then smoothing is the average over translates.
 ///
 /// Regions without a regular vertex at this level get no sites.
 class LatticeSites {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refinement agrees entry by entry with the reference implementation of scheme.md. The data were
-// written by it: control assets with random coefficients of all degrees (*.octet), and per number
-// of levels and boundary mode the refined positions and values (every `stride`-th of them) and
-// FNV-1a checksums of the fine edges, facets, tetrahedra and octahedra.
+// Refinement agrees entry by entry with an implementation of core/SCHEME.md independent of this
+// one. The data were written by it: control assets with random coefficients of all degrees
+// (*.octet), and per number of levels and boundary mode the refined positions and values (every
+// `stride`-th of them) and FNV-1a checksums of the fine edges, facets, tetrahedra and octahedra.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +15,7 @@
 
 #include <octet/converters/control_asset/control_asset.h>
 #include <octet/core/refine/refiner.h>
+
 #include "tests/support/test_data.h"
 
 namespace octet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eigenanalysis of the subdivision around a vertex (thesis 4.3.1): the tables of scheme.md section
+// Eigenanalysis of the subdivision around a vertex (thesis 4.3.1): the tables of SCHEME.md section
 // 5, what depends on zeta, vertices of every type, and what that says about continuity.
 #include <algorithm>
 #include <cmath>
@@ -103,7 +103,7 @@ TEST(Spectrum, LeftEigenvectorsAreTheLimitMasks) {
   const auto values = spectrum(local.matrix<0>());
   const Eigenvalue& one = values.front();
   ASSERT_EQ(one.left.rows(), 1);
-  // scheme.md section 5: 16/43 at the vertex, 19/387 at 12 neighbours, 5/774 at 6.
+  // SCHEME.md section 5: 16/43 at the vertex, 19/387 at 12 neighbours, 5/774 at 6.
   const Eigen::VectorXd mask = (one.left * one.forms(0, 0)).real().transpose();
   const double scale = 1 / mask.sum();
   for (Index v = 0; v < local.star().vertexCount(); ++v) {

@@ -307,7 +307,7 @@ TEST_P(PotentialOn, CollocatedCentralDivergenceIsZero) {
 }
 
 TEST_P(PotentialOn, ConstantFlowsAreExact) {
-  // Open boundaries keep constants everywhere (scheme.md section 8).
+  // Open boundaries keep constants everywhere (SCHEME.md section 8).
   const Vec3 constant(0.3, -1.2, 0.7);
   const DeRham rham(c, mesh.positions(), 1);
   const Flow flow(mesh, rham.facets([&](const Vec3&) { return constant; }), 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // On the regular lattice the scheme is the thesis': stencils, limit masks and spectra are compared
-// with exact rationals (tests/data/oracle) and with the tables of scheme.md section 5.
+// with exact rationals (tests/data/oracle) and with the tables of SCHEME.md section 5.
 #include <Eigen/Eigenvalues>
 #include <fstream>
 #include <map>

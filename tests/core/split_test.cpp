@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The split is the one of scheme.md section 3: counts, closed-form numbering, stored orientation.
+// The split is the one of SCHEME.md section 3: counts, closed-form numbering, stored orientation.
 #include <map>
 #include <set>
 
