@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "../topology/boundary.h"
+
+namespace octet {
+
+/// One entry of a sparse matrix from coarse edges to fine vertices.
+struct VertexMove {
+  Index fineVertex;
+  Index coarseEdge;
+  double weight;  ///< along the edge's stored direction
+};
+
+/// @brief Lists the rows that the smooth wall adds to D1 L1 when a level that is not the control
+/// mesh is split (core/SCHEME.md section 8b): a 0-form refines by S0 - H d0, H the matrix of these
+/// entries. Entries of a row follow each other, rows ascend.
+///
+/// Depends on topology, creases and corners alone. Each star's rule is solved once per process.
+/// @param coarse    the level that is split
+/// @param boundary  of `coarse`
+std::vector<VertexMove> wallMoves(const Complex& coarse, const Boundary& boundary);
+
+}  // namespace octet
