@@ -261,7 +261,7 @@ class StarPaths {
     std::vector<EdgeRef> path;
     Index place;
     if (across) {
-      place = c_.vertexCount() + c_.edgeCount() + at.cell - c_.tetCount();
+      place = c_.children().centre(at.cell - c_.tetCount());
       for (int p = 0; p < 6; ++p) {
         if (p == k || p == at.place) continue;
         path.push_back(c_.cellEdge(at.cell, at.place, p));
@@ -269,7 +269,7 @@ class StarPaths {
       }
     } else {
       path.push_back(c_.cellEdge(at.cell, at.place, k));
-      place = c_.vertexCount() + path[0].index();
+      place = c_.children().midpoint(path[0].index());
     }
     if (places_[label] != kNone && places_[label] != place) unique_ = false;
     places_[label] = place;
@@ -311,9 +311,7 @@ std::vector<VertexMove> wallMoves(const Complex& coarse, const Boundary& boundar
   std::vector<std::vector<VertexMove>> claimed(static_cast<std::size_t>(boundary.vertexCount()));
   parallelFor<std::size_t>(
       claimed.size(),
-      [&](std::size_t row) {
-        claimed[row] = claims(coarse, boundary, static_cast<Index>(row));
-      },
+      [&](std::size_t row) { claimed[row] = claims(coarse, boundary, static_cast<Index>(row)); },
       16);
   std::map<Index, int> claimants;
   std::vector<VertexMove> moves;

@@ -184,8 +184,8 @@ class InsideAssignment {
     const Eigen::MatrixXd left = invariantSubspace(block.transpose(), above);
     if (right.cols() != left.cols()) return std::nullopt;
     const Eigen::MatrixXd small = left.transpose() * block * left;
-    const Eigen::MatrixXd ofInside = right * (left.transpose() * right).inverse() *
-                                     (assigned(small) - small) * left.transpose();
+    const Eigen::MatrixXd ofInside =
+        right * (left.transpose() * right).inverse() * (assigned(small) - small) * left.transpose();
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(matrix_.rows(), matrix_.cols());
     result.bottomRightCorner(inside_, inside_) = ofInside;
     result.bottomLeftCorner(inside_, wall_) = ofWall(ofInside);
@@ -201,9 +201,8 @@ class InsideAssignment {
       moduli[k] = std::abs(values[static_cast<Eigen::Index>(k)]);
     }
     std::sort(moduli.begin(), moduli.end(), std::greater<>());
-    std::size_t count = static_cast<std::size_t>(
-        std::count_if(moduli.begin() + 1, moduli.end(),
-                      [](double x) { return x > kInsideElsewhere + 1e-9; }));
+    std::size_t count = static_cast<std::size_t>(std::count_if(
+        moduli.begin() + 1, moduli.end(), [](double x) { return x > kInsideElsewhere + 1e-9; }));
     if (moveLeading_ || moduli[0] > kInsideElsewhere + 1e-9) ++count;
     if (count == 0 || (moveLeading_ && count == 1 && std::abs(moduli[0] - kLeading) < 1e-9)) {
       return -1;
@@ -358,8 +357,7 @@ Eigen::MatrixXd wallEdgeMoves(const WallStar& star, const WallEdgeStar& named) {
     const double theta = kPi * l / k, c = std::cos(theta);
     const double s = std::sqrt(std::max(0.0, (1 + c) / 2));
     const double p = 3.0 / 8 + 5 * c / 24, q = 1.0 / 6;
-    const double value =
-        l == k ? q : (p + q) / 2 + std::sqrt((p - q) * (p - q) / 4 + s * s / 36);
+    const double value = l == k ? q : (p + q) / 2 + std::sqrt((p - q) * (p - q) / 4 + s * s / 36);
     const double alpha = l == k ? 1 : s / 24 / (value - q);
     const double beta = l == k ? 1 : 2 * s / 3 / (value - q);
     const double norm = l == k ? k : k * (1 + alpha * beta) / 2.0;
@@ -459,8 +457,7 @@ Eigen::MatrixXd wallStarMoves(const WallStar& star) {
       if (const auto named = wallEdgeStar(star, bad[0])) return wallEdgeMoves(star, *named);
     }
   }
-  const auto inside =
-      InsideAssignment(StarMatrix(star).matrix() + moves, n, smooth).moves();
+  const auto inside = InsideAssignment(StarMatrix(star).matrix() + moves, n, smooth).moves();
   if (!inside || !inside->allFinite() || inside->cwiseAbs().maxCoeff() > kLargestWeight ||
       inside->rowwise().sum().cwiseAbs().maxCoeff() > kRowSum) {
     return moves;

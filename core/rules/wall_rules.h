@@ -22,9 +22,9 @@ namespace octet {
 /// @brief Describes the star of a boundary vertex by labels alone: equal stars of any mesh compare
 /// equal.
 struct WallStar {
-  int valence = 0;       ///< n, the number of wall edges at m
-  int vertexCount = 0;   ///< labels are 0..vertexCount-1
-  bool corner = false;   ///< m stays where it is
+  int valence = 0;                                ///< n, the number of wall edges at m
+  int vertexCount = 0;                            ///< labels are 0..vertexCount-1
+  bool corner = false;                            ///< m stays where it is
   std::vector<std::array<std::uint8_t, 4>> tets;  ///< labels ascend
   /// In the order of Octahedron (cell_tables.h), beginning with m.
   std::vector<std::array<std::uint8_t, 6>> octs;
@@ -38,8 +38,8 @@ struct WallStar {
 /// vertex of valence n != 6, Loop's elsewhere.
 double smoothWallBeta(int valence);
 
-/// Computes w_j for j = 0..n-1: the child of (m, r_i) moves by sum_j w_{j-i} r_j on a smooth wall of
-/// valence n. The first harmonic goes to 1/2, the second to 1/4, higher ones to 1/5 at most.
+/// Computes w_j for j = 0..n-1: the child of (m, r_i) moves by sum_j w_{j-i} r_j on a smooth wall
+/// of valence n. The first harmonic goes to 1/2, the second to 1/4, higher ones to 1/5 at most.
 std::vector<double> wallRingMoves(int valence);
 
 /// Computes all moves of a wall star (items 1 to 3 of section 8b); a matrix of zeros where the star
