@@ -4,15 +4,9 @@
 #include <vector>
 
 #include "../topology/boundary.h"
+#include "vertex_moves.h"
 
 namespace octet {
-
-/// One entry of a sparse matrix from coarse edges to fine vertices.
-struct VertexMove {
-  Index fineVertex;
-  Index coarseEdge;
-  double weight;  ///< along the edge's stored direction
-};
 
 /// @brief Lists the rows that the smooth wall adds to D1 L1 when a level that is not the control
 /// mesh is split (core/SCHEME.md section 8b): a 0-form refines by S0 - H d0, H the matrix of these

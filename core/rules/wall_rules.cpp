@@ -9,7 +9,6 @@
 #include <optional>
 #include <tuple>
 
-#include "cell_kernels.h"
 #include "smoothing_rules.h"
 
 namespace octet {
@@ -32,136 +31,29 @@ constexpr double kLargestWeight = 3, kRowSum = 1e-7;
 
 constexpr int kRegularValence = 6;
 
-bool contains(const WallStar& star, int cell, int label) {
-  const int tets = static_cast<int>(star.tets.size());
-  if (cell < tets) {
-    const auto& tet = star.tets[cell];
-    return std::find(tet.begin(), tet.end(), label) != tet.end();
+/// @brief The matrix of a star without its moves, wall included.
+Eigen::MatrixXd wallStarMatrix(const WallStar& wall) {
+  const int n = wall.valence;
+  Eigen::MatrixXd matrix = starMatrix(wall.star, n + 1);
+  for (int k = 0; k < n; ++k) {
+    const int label = k + 1;
+    matrix(label, 0) = matrix(label, label) = wall.creases[k] ? 1.0 / 2 : 3.0 / 8;
+    if (wall.creases[k]) continue;
+    matrix(label, (k + 1) % n + 1) += 1.0 / 8;
+    matrix(label, (k + n - 1) % n + 1) += 1.0 / 8;
   }
-  const auto& oct = star.octs[cell - tets];  // m is first, its opposite last
-  return std::find(oct.begin(), oct.end() - 1, label) != oct.end() - 1;
-}
-
-/// Cells at the edge from m to a label; octahedra where the label is opposite m do not count.
-std::vector<int> cellsAtEdge(const WallStar& star, int label) {
-  std::vector<int> cells;
-  const int count = static_cast<int>(star.tets.size() + star.octs.size());
-  for (int cell = 0; cell < count; ++cell) {
-    if (contains(star, cell, label)) cells.push_back(cell);
-  }
-  return cells;
-}
-
-/// @brief The matrix of a star without its moves: row a is the child in the place of label a as a
-/// combination of the star's vertices.
-class StarMatrix {
- public:
-  explicit StarMatrix(const WallStar& star)
-      : star_(star), kernels_(kDefaultZeta), matrix_(Eigen::MatrixXd::Zero(size(), size())) {
-    for (int label = star.valence + 1; label < size(); ++label) addInside(label);
-    for (int k = 0; k < star.valence; ++k) addRing(k);
-    addCentre();
-  }
-  const Eigen::MatrixXd& matrix() const { return matrix_; }
-
- private:
-  int size() const { return star_.vertexCount; }
-
-  void addInside(int label) {
-    const std::vector<int> cells = cellsAtEdge(star_, label);
-    const int tets = static_cast<int>(star_.tets.size());
-    if (cells.empty()) {  // opposite m: the centre of that octahedron
-      for (const auto& oct : star_.octs) {
-        if (oct[5] != label) continue;
-        for (const int corner : oct) matrix_(label, corner) += 1.0 / 6;
-        addMean(kernels_.oct, oct, FineVertices<Octahedron>::kCount - 1, 1.0 / 14, label);
-      }
-      return;
-    }
-    matrix_(label, 0) += 0.5;
-    matrix_(label, label) += 0.5;
-    // Fine cells at a midpoint: two corner children of each cell, and those between.
-    int fineCells = 0;
-    for (const int cell : cells) fineCells += cell < tets ? 3 : 4;
-    for (const int cell : cells) {
-      if (cell < tets) {
-        addMidpoint<Tetrahedron>(kernels_.tet, star_.tets[cell], label, fineCells);
-      } else {
-        addMidpoint<Octahedron>(kernels_.oct, star_.octs[cell - tets], label, fineCells);
-      }
+  if (wall.corner) {
+    matrix(0, 0) = 1;
+  } else if (wall.smooth()) {
+    matrix(0, 0) = 1 - n * loopBeta(n);
+    for (int k = 1; k <= n; ++k) matrix(0, k) = loopBeta(n);
+  } else {
+    matrix(0, 0) = 3.0 / 4;
+    for (int k = 0; k < n; ++k) {
+      if (wall.creases[k]) matrix(0, k + 1) = 1.0 / 8;
     }
   }
-
-  template <typename Shape, typename Corners>
-  void addMidpoint(const CellKernel<Shape>& kernel, const Corners& corners, int label,
-                   int fineCells) {
-    const auto place = [&](int wanted) {
-      return std::find(corners.begin(), corners.end(), wanted) - corners.begin();
-    };
-    const int edge = kCellTables<Shape>.edgeBetween[place(0)][place(label)];
-    addMean(kernel, corners, FineVertices<Shape>::midpoint(edge), 1.0 / fineCells, label);
-  }
-
-  /// Subtracts D1 d0 of one cell: its edges' differences.
-  template <typename Shape, typename Corners>
-  void addMean(const CellKernel<Shape>& kernel, const Corners& corners, int fineVertex,
-               double weight, int row) {
-    for (int k = 0; k < Shape::kEdges; ++k) {
-      const double w = weight * kernel.vertexHomotopy[k][fineVertex];
-      matrix_(row, corners[Shape::edges[k][1]]) -= w;
-      matrix_(row, corners[Shape::edges[k][0]]) += w;
-    }
-  }
-
-  /// The midpoint of a wall edge: Loop's, or the cubic B-spline's on a crease.
-  void addRing(int k) {
-    const int n = star_.valence, label = k + 1;
-    if (star_.creases[k]) {
-      matrix_(label, 0) = matrix_(label, label) = 1.0 / 2;
-      return;
-    }
-    matrix_(label, 0) = matrix_(label, label) = 3.0 / 8;
-    matrix_(label, (k + 1) % n + 1) += 1.0 / 8;
-    matrix_(label, (k + n - 1) % n + 1) += 1.0 / 8;
-  }
-
-  void addCentre() {
-    const int n = star_.valence;
-    if (star_.corner) {
-      matrix_(0, 0) = 1;
-    } else if (star_.smooth()) {
-      const double beta = loopBeta(n);
-      matrix_(0, 0) = 1 - n * beta;
-      for (int k = 1; k <= n; ++k) matrix_(0, k) = beta;
-    } else {
-      matrix_(0, 0) = 3.0 / 4;
-      for (int k = 0; k < n; ++k) {
-        if (star_.creases[k]) matrix_(0, k + 1) = 1.0 / 8;
-      }
-    }
-  }
-
-  const WallStar& star_;
-  CellKernels kernels_;
-  Eigen::MatrixXd matrix_;
-};
-
-/// An orthonormal basis of the invariant subspace of the eigenvalues above a modulus.
-Eigen::MatrixXd invariantSubspace(const Eigen::MatrixXd& matrix, double above) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> eigen(matrix);
-  std::vector<Eigen::VectorXd> columns;
-  for (Eigen::Index k = 0; k < matrix.rows(); ++k) {
-    const std::complex<double> value = eigen.eigenvalues()[k];
-    if (std::abs(value) <= above || value.imag() < 0) continue;
-    columns.push_back(eigen.eigenvectors().col(k).real());
-    if (value.imag() > 0) columns.push_back(eigen.eigenvectors().col(k).imag());
-  }
-  Eigen::MatrixXd basis(matrix.rows(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    basis.col(static_cast<Eigen::Index>(k)) = columns[k].normalized();
-  }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(basis);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(basis.rows(), basis.cols());
+  return matrix;
 }
 
 /// @brief Moves of the inside of a star whose wall is known: the leading eigenvalue of the inside's
@@ -293,11 +185,12 @@ struct WallEdgeStar {
 };
 
 /// Walks around the wall edge from m to ring label `along`, from ring label `start` inwards.
-std::vector<int> walk(const WallStar& star, int along, int start) {
+std::vector<int> walk(const Star& star, int along, int start) {
   std::vector<int> cells = cellsAtEdge(star, along), result{start};
   while (!cells.empty()) {
     const auto next = std::find_if(cells.begin(), cells.end(), [&](int cell) {
-      return cell < static_cast<int>(star.tets.size()) && contains(star, cell, result.back());
+      return star.isTet(cell) &&
+             std::count(star.tets[cell].begin(), star.tets[cell].end(), result.back()) > 0;
     });
     if (next == cells.end()) return {};
     for (const int v : star.tets[*next]) {
@@ -311,7 +204,7 @@ std::vector<int> walk(const WallStar& star, int along, int start) {
   return result;
 }
 
-std::optional<WallEdgeStar> wallEdgeStar(const WallStar& star, int at) {
+std::optional<WallEdgeStar> wallEdgeStar(const Star& star, int at) {
   const auto label = [&](int step) { return (at + step) % kRegularValence + 1; };
   WallEdgeStar named;
   named.along[0] = label(0);
@@ -337,7 +230,7 @@ std::optional<WallEdgeStar> wallEdgeStar(const WallStar& star, int at) {
 }
 
 /// Item 2 in closed form.
-Eigen::MatrixXd wallEdgeMoves(const WallStar& star, const WallEdgeStar& named) {
+Eigen::MatrixXd wallEdgeMoves(const Star& star, const WallEdgeStar& named) {
   const int k = named.k;
   struct Row {
     int label;
@@ -391,8 +284,7 @@ Eigen::MatrixXd wallEdgeMoves(const WallStar& star, const WallEdgeStar& named) {
 }
 
 /// Item 1: m's own row and its ring's.
-void addSurfaceMoves(const WallStar& star, Eigen::MatrixXd* moves) {
-  const int n = star.valence;
+void addSurfaceMoves(int n, Eigen::MatrixXd* moves) {
   const double change = smoothWallBeta(n) - loopBeta(n);
   const std::vector<double> ring = wallRingMoves(n);
   (*moves)(0, 0) -= n * change;
@@ -403,10 +295,10 @@ void addSurfaceMoves(const WallStar& star, Eigen::MatrixXd* moves) {
 }
 
 /// Number of tetrahedra and octahedra at a ring edge.
-std::pair<int, int> kindAt(const WallStar& star, int ringEdge) {
+std::pair<int, int> kindAt(const Star& star, int ringEdge) {
   std::pair<int, int> kind{0, 0};
   for (const int cell : cellsAtEdge(star, ringEdge + 1)) {
-    ++(cell < static_cast<int>(star.tets.size()) ? kind.first : kind.second);
+    ++(star.isTet(cell) ? kind.first : kind.second);
   }
   return kind;
 }
@@ -418,9 +310,8 @@ bool WallStar::smooth() const {
 }
 
 bool WallStar::operator<(const WallStar& other) const {
-  return std::tie(valence, vertexCount, corner, tets, octs, creases) <
-         std::tie(other.valence, other.vertexCount, other.corner, other.tets, other.octs,
-                  other.creases);
+  return std::tie(valence, corner, creases, star) <
+         std::tie(other.valence, other.corner, other.creases, other.star);
 }
 
 double smoothWallBeta(int valence) {
@@ -441,11 +332,12 @@ std::vector<double> wallRingMoves(int n) {
   return moves;
 }
 
-Eigen::MatrixXd wallStarMoves(const WallStar& star) {
-  const int n = star.valence;
+Eigen::MatrixXd wallStarMoves(const WallStar& wall) {
+  const int n = wall.valence;
+  const Star& star = wall.star;
   Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(star.vertexCount, star.vertexCount);
-  const bool smooth = star.smooth();
-  if (smooth && n != kRegularValence) addSurfaceMoves(star, &moves);
+  const bool smooth = wall.smooth();
+  if (smooth && n != kRegularValence) addSurfaceMoves(n, &moves);
   if (star.vertexCount <= n + 1) return moves;
   if (smooth && n == kRegularValence) {
     std::vector<int> bad;
@@ -457,7 +349,7 @@ Eigen::MatrixXd wallStarMoves(const WallStar& star) {
       if (const auto named = wallEdgeStar(star, bad[0])) return wallEdgeMoves(star, *named);
     }
   }
-  const auto inside = InsideAssignment(StarMatrix(star).matrix() + moves, n, smooth).moves();
+  const auto inside = InsideAssignment(wallStarMatrix(wall) + moves, n, smooth).moves();
   if (!inside || !inside->allFinite() || inside->cwiseAbs().maxCoeff() > kLargestWeight ||
       inside->rowwise().sum().cwiseAbs().maxCoeff() > kRowSum) {
     return moves;

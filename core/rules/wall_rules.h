@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <cstdint>
 #include <vector>
+
+#include "star.h"
 
 /// @file
 /// The smooth wall: rules for positions in the stars of boundary vertices (core/SCHEME.md section
@@ -19,15 +18,11 @@
 
 namespace octet {
 
-/// @brief Describes the star of a boundary vertex by labels alone: equal stars of any mesh compare
-/// equal.
+/// @brief Describes the star of a boundary vertex: labels 1..valence are its ring.
 struct WallStar {
-  int valence = 0;                                ///< n, the number of wall edges at m
-  int vertexCount = 0;                            ///< labels are 0..vertexCount-1
-  bool corner = false;                            ///< m stays where it is
-  std::vector<std::array<std::uint8_t, 4>> tets;  ///< labels ascend
-  /// In the order of Octahedron (cell_tables.h), beginning with m.
-  std::vector<std::array<std::uint8_t, 6>> octs;
+  Star star;
+  int valence = 0;                    ///< n, the number of wall edges at m
+  bool corner = false;                ///< m stays where it is
   std::vector<std::uint8_t> creases;  ///< 1 for every ring edge that is a crease, from label 1 on
 
   bool smooth() const;

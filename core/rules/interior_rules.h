@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "star.h"
+
+/// @file
+/// Moves of positions in the stars of irregular vertices inside (core/SCHEME.md section 6b). The
+/// child in the place of label a moves by sum_q weights(a, q) (q - m), so that the star shrinks by
+/// 1/2 per level in all three directions, as the rules for fluxes suppose.
+
+namespace octet {
+
+/// @brief Describes the star of an irregular interior vertex. On a line the reflection exchanges
+/// the two ends of the axis.
+struct InteriorStar {
+  Star star;
+  bool onLine = false;               ///< X2; otherwise X3
+  std::vector<std::uint8_t> mirror;  ///< image of each label; empty off lines
+  std::uint8_t axis[2] = {0, 0};     ///< ends of the axis; 0 off lines
+
+  bool operator<(const InteriorStar& other) const;
+};
+
+/// @brief Lists the moves at a vertex on a line of n >= 3 tetrahedra, in closed form: the child of
+/// (m, r_i) moves by sum_j ring[j-i] (r_j + s_j - 2m) + beyond[j-i] (o_j - m), indices modulo n.
+struct LineMoves {
+  std::vector<double> ring, beyond;
+};
+LineMoves lineMoves(int tetrahedra);
+
+/// Computes the moves of any other irregular star by assigning its matrix' eigenvalues; none where
+/// the section's conditions are not met. Rows sum to zero; only rows of vertices adjacent to m and
+/// off the axis are filled.
+std::optional<Eigen::MatrixXd> interiorStarMoves(const InteriorStar& star);
+
+}  // namespace octet
