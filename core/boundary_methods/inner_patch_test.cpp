@@ -6,12 +6,10 @@
 
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
+#include "../refine/patch_test.h"
 
 namespace octet {
 namespace {
-
-/// Residuals below this times the largest potential are rounding.
-constexpr double kRounding = 1e-14;
 
 /// One component of 1/2 x_a x x_b on all edges, the potential of a constant flux.
 Cochain<1> potential(const Complex& c, const Array<Vec3>& x, const Vec3& origin, int axis) {
@@ -41,7 +39,7 @@ InnerPatchTest::InnerPatchTest(const Refiner& refiner, int level, const Array<Ve
   }
   parallelFor<Index>(f_.edgeCount(), [&](Index e) {
     if (!wanted(e)) return;
-    const std::vector<Index> facets = facetsAround(e);
+    const std::vector<Index> facets = facetsAround(f_, e);
     Eigen::Matrix3Xd a(3, static_cast<Eigen::Index>(facets.size()));
     for (std::size_t k = 0; k < facets.size(); ++k) {
       a.col(static_cast<Eigen::Index>(k)) = areas_[facets[k]];
@@ -58,24 +56,17 @@ InnerPatchTest::InnerPatchTest(const Refiner& refiner, int level, const Array<Ve
 Array<Vec3> InnerPatchTest::residuals(const Refiner& refiner, int level,
                                       const Array<Vec3>& oldPositions,
                                       const Array<Vec3>& newPositions) const {
-  // Potentials are quadratic in positions: measured from the middle they lose fewest digits.
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : oldPositions) middle += p / static_cast<double>(oldPositions.size());
-  Array<Vec3> result(f_.edgeCount(), Vec3::Zero());
-  double scale = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto is =
-        refiner.step(level, potential(c_, oldPositions, middle, axis), BoundaryMode::Walls);
-    const auto should = potential(f_, newPositions, middle, axis);
-    scale = std::max(scale, maxNorm(should.values()));
-    for (Index e = 0; e < f_.edgeCount(); ++e) result[e][axis] = is[e] - should[e];
-  }
+  Array<Vec3> result = patchTestResiduals(
+      f_,
+      [&](const double* coarse, double* fine) {
+        const Cochain<1> form(Array<double>(coarse, coarse + c_.edgeCount()));
+        const Cochain<1> refined = refiner.step(level, form, BoundaryMode::Walls);
+        std::copy(refined.values().begin(), refined.values().end(), fine);
+      },
+      oldPositions, newPositions);
   for (Index e = 0; e < f_.edgeCount(); ++e) {
     const auto& [a, b] = f_.edges[e];
-    if (f_.vertexOnBoundary(a) || f_.vertexOnBoundary(b) ||
-        result[e].cwiseAbs().maxCoeff() < kRounding * scale) {
-      result[e].setZero();
-    }
+    if (f_.vertexOnBoundary(a) || f_.vertexOnBoundary(b)) result[e].setZero();
   }
   return result;
 }
@@ -86,19 +77,6 @@ Cochain<2> InnerPatchTest::linear(const Cochain<2>& coarse) const {
   return result;
 }
 
-/// Facets of the cells around an edge, each once.
-std::vector<Index> InnerPatchTest::facetsAround(Index edge) const {
-  std::vector<Index> facets;
-  f_.visitEdgeStar(edge, [&](const CellAtEdge& at) {
-    for (int k = 0; k < f_.cellFacetCount(at.cell); ++k) {
-      facets.push_back(f_.cellFacet(at.cell, k).index());
-    }
-  });
-  std::sort(facets.begin(), facets.end());
-  facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
-  return facets;
-}
-
 void InnerPatchTest::correct(const Cochain<2>& coarse, Cochain<2>* fine) const {
   if (rows_.empty()) return;
   const Cochain<2> fluxes = linear(coarse);
@@ -106,7 +84,7 @@ void InnerPatchTest::correct(const Cochain<2>& coarse, Cochain<2>* fine) const {
   parallelFor<std::size_t>(rows_.size(), [&](std::size_t k) {
     const auto& [edge, multiplier] = rows_[k];
     double sum = 0;
-    for (const Index f : facetsAround(edge)) sum += multiplier.dot(areas_[f]) * fluxes[f];
+    for (const Index f : facetsAround(f_, edge)) sum += multiplier.dot(areas_[f]) * fluxes[f];
     potential[edge] = sum;
   });
   const Cochain<2> correction = d(f_, potential);

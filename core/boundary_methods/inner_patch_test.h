@@ -28,7 +28,6 @@ class InnerPatchTest {
   Array<Vec3> residuals(const Refiner& refiner, int level, const Array<Vec3>& oldPositions,
                         const Array<Vec3>& newPositions) const;
   Cochain<2> linear(const Cochain<2>& coarse) const;
-  std::vector<Index> facetsAround(Index edge) const;
 
   const Complex &c_, &f_;
   LinearRefinement linear_;

@@ -2,23 +2,29 @@
 #include "linear_refinement.h"
 
 #include "../base/parallel.h"
+#include "linear_blocks.h"
 
 namespace octet {
 namespace {
 
-/// Coefficients of a cell's facets, seen outward of its tables.
-template <std::size_t N>
-std::array<double, N> outward(const std::array<FacetRef, N>& facets, const double* values) {
-  std::array<double, N> result;
-  for (std::size_t k = 0; k < N; ++k) result[k] = facets[k].sign() * values[facets[k].index()];
-  return result;
-}
-
-template <typename Row>
-double dot(const Row& row, const Row& values) {
-  double sum = 0;
-  for (std::size_t k = 0; k < row.size(); ++k) sum += row[k] * values[k];
-  return sum;
+/// Refines all `count` blocks of one kind.
+template <typename Block>
+void applyBlocks(const Complex& coarse, const LinearRules& rules, Index count, const double* in,
+                 double* out) {
+  const ChildNumbering children = coarse.children();
+  parallelFor<Index>(count, [&](Index parent) {
+    auto values = Block::row(rules, 0);  // as many
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const auto input = Block::input(coarse, parent, static_cast<int>(k));
+      values[k] = input.sign() * in[input.index()];
+    }
+    for (int k = 0; k < Block::kChildren; ++k) {
+      const auto& row = Block::row(rules, k);
+      double sum = 0;
+      for (std::size_t j = 0; j < row.size(); ++j) sum += row[j] * values[j];
+      out[Block::child(children, parent, k)] = sum;
+    }
+  });
 }
 
 }  // namespace
@@ -37,42 +43,15 @@ void LinearRefinement::apply0(const Complex& coarse, const double* in, double* o
 }
 
 void LinearRefinement::apply1(const Complex& coarse, const double* in, double* out) const {
-  const ChildNumbering children = coarse.children();
-  parallelFor<Index>(coarse.edgeCount(), [&](Index e) {
-    out[children.half(e, 0)] = out[children.half(e, 1)] = in[e] / 2;
-  });
-  parallelFor<Index>(coarse.facetCount(), [&](Index f) {
-    const auto& edges = coarse.facetEdges[f];
-    const double ab = edges[0].sign() * in[edges[0].index()] / 4;
-    const double bc = edges[1].sign() * in[edges[1].index()] / 4;
-    const double ac = -edges[2].sign() * in[edges[2].index()] / 4;
-    out[children.cut(f, 0)] = bc + ac - ab;  // (ab,ac), around a
-    out[children.cut(f, 1)] = ac + bc + ab;  // (ab,bc), around b
-    out[children.cut(f, 2)] = ab + ac - bc;  // (ac,bc), around c
-  });
-  parallelFor<Index>(coarse.octCount(), [&](Index o) {
-    std::array<double, 12> values;
-    for (int k = 0; k < 12; ++k) {
-      const EdgeRef e = coarse.octEdge(o, k);
-      values[k] = e.sign() * in[e.index()];
-    }
-    for (int k = 0; k < 12; ++k) out[children.spoke(o, k)] = dot(rules_.octSpoke[k], values);
-  });
+  applyBlocks<LinearBlock<1, Origin::Edge>>(coarse, rules_, coarse.edgeCount(), in, out);
+  applyBlocks<LinearBlock<1, Origin::Facet>>(coarse, rules_, coarse.facetCount(), in, out);
+  applyBlocks<LinearBlock<1, Origin::Octahedron>>(coarse, rules_, coarse.octCount(), in, out);
 }
 
 void LinearRefinement::apply2(const Complex& coarse, const double* in, double* out) const {
-  const ChildNumbering children = coarse.children();
-  parallelFor<Index>(coarse.facetCount(), [&](Index f) {
-    for (int k = 0; k < 4; ++k) out[children.onFacet(f, k)] = in[f] / 4;
-  });
-  parallelFor<Index>(coarse.tetCount(), [&](Index t) {
-    const auto values = outward(coarse.tetFacets[t], in);
-    for (int k = 0; k < 4; ++k) out[children.inTet(t, k)] = dot(rules_.tetFacet[k], values);
-  });
-  parallelFor<Index>(coarse.octCount(), [&](Index o) {
-    const auto values = outward(coarse.octFacets[o], in);
-    for (int k = 0; k < 24; ++k) out[children.inOct(o, k)] = dot(rules_.octFacet[k], values);
-  });
+  applyBlocks<LinearBlock<2, Origin::Facet>>(coarse, rules_, coarse.facetCount(), in, out);
+  applyBlocks<LinearBlock<2, Origin::Tetrahedron>>(coarse, rules_, coarse.tetCount(), in, out);
+  applyBlocks<LinearBlock<2, Origin::Octahedron>>(coarse, rules_, coarse.octCount(), in, out);
 }
 
 void LinearRefinement::apply3(const Complex& coarse, const double* in, double* out) const {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "../base/parallel.h"
-#include "../forms/coboundary.h"
 #include "../rules/smoothing_rules.h"
+#include "linear_blocks.h"
 
 namespace octet {
 namespace {
@@ -73,24 +73,97 @@ Vec3 solveDamped(const Eigen::Matrix3d& gram, const Vec3& residual) {
   return eigen.eigenvectors() * inBasis;
 }
 
-bool facetHasEdge(const Complex& complex, Index facet, Index edge) {
-  const auto& edges = complex.facetEdges[facet];
-  return std::any_of(edges.begin(), edges.end(),
-                     [&](const EdgeRef& ref) { return ref.index() == edge; });
+/// Sums over the facets of a coarse cell's children, of those at its corners and of the others:
+/// `onFacet` is what a child on a facet of the cell has, `inside` a facet inside.
+template <typename Shape, typename Sum>
+struct ChildSums {
+  static constexpr int kInner = Shape::kVertices == 4 ? 1 : 8;
+  Sum corner[Shape::kVertices], inner[kInner];
+
+  ChildSums(const CellKernel<Shape>& kernel, const Sum* onFacet, const Sum* inside) {
+    for (int i = 0; i < Shape::kVertices; ++i) {
+      corner[i] = onFacet[kernel.cornerFacets[i][0]];
+      for (int k = 1; k < kernel.kFacetsAtCorner; ++k) {
+        corner[i] += onFacet[kernel.cornerFacets[i][k]];
+      }
+      for (int k = 0; k < kernel.kInsideAtCorner; ++k) {
+        corner[i] += inside[kernel.cornerInside[i][k]];
+      }
+    }
+    constexpr bool kTet = Shape::kVertices == 4;
+    for (int n = 0; n < kInner; ++n) {
+      inner[n] = onFacet[n];
+      for (int k = 1; kTet && k < 4; ++k) inner[n] += onFacet[k];
+      for (int k = 0; k < (kTet ? 4 : 3); ++k) inner[n] += inside[kernel.innerInside[n][k]];
+    }
+  }
+};
+
+/// 1/2 x_a x x_b on an edge, a component of the potential of constant fluxes.
+double potential(const Array<Vec3>& x, const Vec3& origin, const std::array<Index, 2>& edge,
+                 int axis) {
+  return (x[edge[0]] - origin).cross(x[edge[1]] - origin)[axis] / 2;
+}
+
+/// Facets of the cells around an edge, ascending, with repetitions.
+std::vector<Index> facetsOfCellsAround(const Complex& complex, Index edge) {
+  std::vector<Index> facets;
+  complex.visitEdgeStar(edge, [&](const CellAtEdge& at) {
+    for (int k = 0; k < complex.cellFacetCount(at.cell); ++k) {
+      facets.push_back(complex.cellFacet(at.cell, k).index());
+    }
+  });
+  std::sort(facets.begin(), facets.end());
+  return facets;
 }
 
 }  // namespace
 
+Array<Vec3> patchTestResiduals(const Complex& fine, const RefineEdges& refine,
+                               const Array<Vec3>& oldPositions, const Array<Vec3>& newPositions) {
+  const Complex& coarse = *fine.coarse;
+  // Potentials are quadratic in positions: measured from the middle they lose fewest digits.
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : oldPositions) middle += p / static_cast<double>(oldPositions.size());
+  Array<Vec3> residuals(fine.edgeCount());
+  Array<double> before(coarse.edgeCount()), after(fine.edgeCount());
+  double scale = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    parallelFor<Index>(coarse.edgeCount(), [&](Index e) {
+      before[e] = potential(oldPositions, middle, coarse.edges[e], axis);
+    });
+    refine(before.data(), after.data());
+    parallelFor<Index>(fine.edgeCount(), [&](Index e) {
+      const double there = potential(newPositions, middle, fine.edges[e], axis);
+      residuals[e][axis] = after[e] - there;
+      after[e] = there;
+    });
+    for (const double u : after) scale = std::max(scale, std::abs(u));
+  }
+  parallelFor<Index>(fine.edgeCount(), [&](Index e) {
+    if (!(residuals[e].cwiseAbs().maxCoeff() > kRounding * scale)) residuals[e].setZero();
+  });
+  return residuals;
+}
+
+std::vector<Index> facetsAround(const Complex& complex, Index edge) {
+  std::vector<Index> facets = facetsOfCellsAround(complex, edge);
+  facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+  return facets;
+}
+
 /// Sets a patch test up; holds what is needed only for that.
 class PatchTest::Builder {
  public:
-  Builder(PatchTest* test, const CellKernels& kernels)
-      : t_(*test), f_(test->f_), c_(test->c_), children_(c_.children()), kernels_(kernels) {}
+  explicit Builder(PatchTest* test)
+      : t_(*test), f_(t_.f_), c_(t_.c_), children_(c_.children()), kernels_(t_.kernels_) {}
 
-  void run(const LinearRefinement& linear, const Smoothing& smoothing, ScratchPool* scratch,
-           const Array<Vec3>& oldPositions, const Array<Vec3>& newPositions) {
-    measureResiduals(linear, smoothing, oldPositions, newPositions);
-    if (!dropRounding()) {
+  void run(const RefineEdges& refine, ScratchPool* scratch, const Array<Vec3>& oldPositions,
+           const Array<Vec3>& newPositions) {
+    // Residuals are left in the multipliers' place.
+    t_.multipliers_ = patchTestResiduals(f_, refine, oldPositions, newPositions);
+    if (std::all_of(t_.multipliers_.begin(), t_.multipliers_.end(),
+                    [](const Vec3& residual) { return residual.isZero(0); })) {
       t_.multipliers_ = {};
       return;
     }
@@ -101,32 +174,6 @@ class PatchTest::Builder {
   }
 
  private:
-  /// R of all edges, left in the multipliers' place.
-  void measureResiduals(const LinearRefinement& linear, const Smoothing& smoothing,
-                        const Array<Vec3>& oldPositions, const Array<Vec3>& newPositions) {
-    // Potentials are quadratic in positions: measured from the middle they lose fewest digits.
-    Vec3 middle = Vec3::Zero();
-    for (const Vec3& p : oldPositions) middle += p / static_cast<double>(oldPositions.size());
-    const auto potential = [&](const Array<Vec3>& x, const std::array<Index, 2>& e, int axis) {
-      const Vec3 a = x[e[0]] - middle, b = x[e[1]] - middle;
-      const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-      return (a[i] * b[j] - a[j] * b[i]) / 2;
-    };
-    t_.multipliers_.resize(f_.edgeCount());
-    Array<double> coarse(c_.edgeCount()), u(f_.edgeCount()), smooth(f_.edgeCount());
-    for (int axis = 0; axis < 3; ++axis) {
-      parallelFor<Index>(c_.edgeCount(),
-                         [&](Index e) { coarse[e] = potential(oldPositions, c_.edges[e], axis); });
-      linear.apply1(c_, coarse.data(), u.data());
-      smoothing.apply1(coarse.data(), u.data(), {}, smooth.data());
-      parallelFor<Index>(f_.edgeCount(), [&](Index e) {
-        u[e] = potential(newPositions, f_.edges[e], axis);
-        t_.multipliers_[e][axis] = smooth[e] - u[e];
-      });
-      for (Index e = 0; e < f_.edgeCount(); ++e) scale_ = std::max(scale_, std::abs(u[e]));
-    }
-  }
-
   /// Area vectors of the coarse facets, by linear refinement those of the facets inside coarse
   /// cells, and each fine cell's sum of A A^T.
   void measureAreas(const Array<Vec3>& positions) {
@@ -149,7 +196,6 @@ class PatchTest::Builder {
 
   template <typename Shape>
   void measureCell(const CellKernel<Shape>& kernel, Index cell, Vec3* inside) {
-    constexpr bool kTet = Shape::kVertices == 4;
     Vec3 coarse[Shape::kFacets];
     Symmetric onFacet[Shape::kFacets];
     for (int k = 0; k < Shape::kFacets; ++k) {
@@ -163,17 +209,12 @@ class PatchTest::Builder {
       for (int k = 0; k < Shape::kFacets; ++k) inside[n] += kernel.insideFacet[n][k] * coarse[k];
       insideGram[n] = square(inside[n]);
     }
+    const ChildSums<Shape, Symmetric> sums(kernel, onFacet, insideGram);
     for (int i = 0; i < Shape::kVertices; ++i) {
-      Symmetric sum = Symmetric::Zero();
-      for (int k = 0; k < kernel.kFacetsAtCorner; ++k) sum += onFacet[kernel.cornerFacets[i][k]];
-      for (int k = 0; k < kernel.kInsideAtCorner; ++k) sum += insideGram[kernel.cornerInside[i][k]];
-      cellGrams_[children_.cornerChild(cell, i)] = sum;
+      cellGrams_[children_.cornerChild(cell, i)] = sums.corner[i];
     }
-    for (int n = 0; n < (kTet ? 1 : 8); ++n) {
-      Symmetric sum =
-          kTet ? Symmetric(onFacet[0] + onFacet[1] + onFacet[2] + onFacet[3]) : onFacet[n];
-      for (int k = 0; k < (kTet ? 4 : 3); ++k) sum += insideGram[kernel.innerInside[n][k]];
-      cellGrams_[children_.innerChild(cell, n)] = sum;
+    for (int n = 0; n < sums.kInner; ++n) {
+      cellGrams_[children_.innerChild(cell, n)] = sums.inner[n];
     }
   }
 
@@ -181,20 +222,6 @@ class PatchTest::Builder {
     const ChildOf child = children_.facet(fineFacet);
     return child.origin == Origin::Facet ? Vec3(t_.coarseAreas_[child.parent] / 4)
                                          : insideAreas_[children_.insideNumber(fineFacet)];
-  }
-
-  /// Sets residuals that are rounding to 0; is any left?
-  bool dropRounding() {
-    std::uint8_t any = 0;
-    parallelFor<Index>(f_.edgeCount(), [&](Index e) {
-      Vec3& residual = t_.multipliers_[e];
-      if (residual.cwiseAbs().maxCoeff() > kRounding * scale_) {
-        storeRelaxed<std::uint8_t>(&any, 1);
-      } else {
-        residual.setZero();
-      }
-    });
-    return any;
   }
 
   /// Coarse cells that share two facets with one neighbour (a cell in the notch of a non-convex
@@ -224,7 +251,7 @@ class PatchTest::Builder {
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     for (const Index e : edges) {
-      const std::vector<Index> facets = facetsAround(e);
+      const std::vector<Index> facets = facetsOfCellsAround(f_, e);
       for (std::size_t k = 1; k < facets.size(); ++k) {
         if (facets[k] == facets[k - 1] && !facetHasEdge(f_, facets[k], e)) {
           t_.countedTwice_.emplace_back(e, children_.facet(facets[k]).parent);
@@ -233,33 +260,16 @@ class PatchTest::Builder {
     }
   }
 
-  /// Facets of the cells around an edge, ascending, with repetitions.
-  std::vector<Index> facetsAround(Index edge) const {
-    std::vector<Index> facets;
-    f_.visitEdgeStar(edge, [&](const CellAtEdge& at) {
-      for (int k = 0; k < f_.cellFacetCount(at.cell); ++k) {
-        facets.push_back(f_.cellFacet(at.cell, k).index());
-      }
-    });
-    std::sort(facets.begin(), facets.end());
-    return facets;
-  }
-
-  std::vector<Index> distinctFacetsAround(Index edge) const {
-    std::vector<Index> facets = facetsAround(edge);
-    facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
-    return facets;
-  }
-
   void solve() {
     // Wall rows first: they use the residuals, which the multipliers then replace.
     t_.wallMultipliers_.resize(t_.boundary_.edges.size());
     parallelFor<Index>(t_.boundary_.edgeCount(), [&](Index k) {
       const Vec3& residual = t_.multipliers_[t_.boundary_.edges[k]];
-      const auto ofFacet = [&](Index f) { return square(area(f)); };
       t_.wallMultipliers_[k].setZero();
       if (residual.isZero(0)) return;
-      t_.wallMultipliers_[k] = solveDamped(full(t_.sumOnWall<Symmetric>(k, ofFacet)), residual);
+      Symmetric gram = Symmetric::Zero();
+      t_.visitWallFacets(t_.boundary_.edges[k], [&](Index f) { gram += square(area(f)); });
+      t_.wallMultipliers_[k] = solveDamped(full(gram), residual);
     });
     solveHalves();
     solveCuts();
@@ -351,7 +361,7 @@ class PatchTest::Builder {
       const Vec3 first = factors.solve(residual);
       return first + factors.solve(residual - full(gram) * first);
     }
-    const std::vector<Index> facets = distinctFacetsAround(edge);
+    const std::vector<Index> facets = facetsAround(f_, edge);
     Eigen::MatrixX3d areas(static_cast<Eigen::Index>(facets.size()), 3);
     for (std::size_t k = 0; k < facets.size(); ++k) {
       areas.row(static_cast<Eigen::Index>(k)) = area(facets[k]);
@@ -371,36 +381,27 @@ class PatchTest::Builder {
   const CellKernels& kernels_;
   Array<Vec3> insideAreas_;     // of fine facets inside coarse cells
   Array<Symmetric> cellGrams_;  // sums of A A^T over the facets of fine cells
-  double scale_ = 0;
 };
 
-PatchTest::PatchTest(const Complex& fine, const Boundary& boundary, const LinearRefinement& linear,
-                     const CellKernels& kernels, const Smoothing& smoothing, ScratchPool* scratch,
+PatchTest::PatchTest(const Complex& fine, const Boundary& boundary, const CellKernels& kernels,
+                     const RefineEdges& refine, ScratchPool* scratch,
                      const Array<Vec3>& oldPositions, const Array<Vec3>& newPositions)
-    : c_(*fine.coarse), f_(fine), boundary_(boundary) {
-  Builder(this, kernels).run(linear, smoothing, scratch, oldPositions, newPositions);
+    : c_(*fine.coarse), f_(fine), boundary_(boundary), kernels_(kernels) {
+  Builder(this).run(refine, scratch, oldPositions, newPositions);
 }
 
-/// Sum over the boundary facets at either end of a boundary edge, each once.
-template <typename Sum, typename OfFacet>
-Sum PatchTest::sumOnWall(Index boundaryEdge, const OfFacet& ofFacet) const {
-  const Index e = boundary_.edges[boundaryEdge];
-  const Index a = boundary_.row(f_.edges[e][0]), b = boundary_.row(f_.edges[e][1]);
-  Sum sum = Sum::Zero();
-  for (const RingStep* step = boundary_.ringBegin(a); step != boundary_.ringEnd(a); ++step) {
-    sum += ofFacet(step->facet);
-  }
-  for (const RingStep* step = boundary_.ringBegin(b); step != boundary_.ringEnd(b); ++step) {
-    if (!facetHasEdge(f_, step->facet, e)) sum += ofFacet(step->facet);
-  }
+Vec3 PatchTest::area(Index fineFacet) const {
+  Vec3 sum = Vec3::Zero();
+  linearRow<2>(c_, kernels_.linear, fineFacet, 1,
+               [&](Index f, double w) { sum += w * coarseAreas_[f]; });
   return sum;
 }
 
 template <typename Shape>
-void PatchTest::addCell(const CellKernel<Shape>& kernel, Index cell, const double* facets,
-                        const ClosureEdges<Shape>& closure, double* values) const {
+void PatchTest::addCell(Index cell, const double* facets, const ClosureEdges<Shape>& closure,
+                        double* values) const {
+  const CellKernel<Shape>& kernel = kernels_.of<Shape>();
   using Edges = FineEdges<Shape>;
-  using Kernel = CellKernel<Shape>;
   constexpr bool kTet = Shape::kVertices == 4;
   constexpr int kInside = SplitTables<Shape>::kInside;
   // Area and flux side by side; a child of one of the cell's facets has a quarter of both.
@@ -419,23 +420,9 @@ void PatchTest::addCell(const CellKernel<Shape>& kernel, Index cell, const doubl
     for (int k = 0; k < Shape::kFacets; ++k) sum += kernel.insideFacet[n][k] * coarse[k];
     inside[n] = sum * sum[3];
   }
-  // Sums over the facets of the children at the corners, and of the others.
-  Eigen::Vector4d corner[Shape::kVertices];
-  for (int i = 0; i < Shape::kVertices; ++i) {
-    corner[i] = onFacet[kernel.cornerFacets[i][0]];
-    for (int k = 1; k < Kernel::kFacetsAtCorner; ++k) {
-      corner[i] += onFacet[kernel.cornerFacets[i][k]];
-    }
-    for (int k = 0; k < Kernel::kInsideAtCorner; ++k)
-      corner[i] += inside[kernel.cornerInside[i][k]];
-  }
-  constexpr int kInner = kTet ? 1 : 8;
-  Eigen::Vector4d inner[kInner];
-  for (int n = 0; n < kInner; ++n) {
-    inner[n] = kTet ? onFacet[0] + onFacet[1] + onFacet[2] + onFacet[3] : onFacet[n];
-    for (int k = 0; k < (kTet ? 4 : 3); ++k) inner[n] += inside[kernel.innerInside[n][k]];
-  }
-
+  const ChildSums<Shape, Eigen::Vector4d> sums(kernel, onFacet, inside);
+  const auto& corner = sums.corner;
+  const auto& inner = sums.inner;
   const auto add = [&](int at, const Eigen::Vector4d& sum) {
     values[at] += multipliers_[closure.index[at]].dot(sum.head<3>());
   };
@@ -467,19 +454,22 @@ void PatchTest::addCell(const CellKernel<Shape>& kernel, Index cell, const doubl
   }
 }
 
-template void PatchTest::addCell(const CellKernel<Tetrahedron>&, Index, const double*,
-                                 const ClosureEdges<Tetrahedron>&, double*) const;
-template void PatchTest::addCell(const CellKernel<Octahedron>&, Index, const double*,
-                                 const ClosureEdges<Octahedron>&, double*) const;
+template void PatchTest::addCell(Index, const double*, const ClosureEdges<Tetrahedron>&,
+                                 double*) const;
+template void PatchTest::addCell(Index, const double*, const ClosureEdges<Octahedron>&,
+                                 double*) const;
 
 void PatchTest::finish(BoundaryMode mode, const double* coarseFacets, double* edges) const {
   // Children of a coarse facet have a quarter of its area and of its flux.
+  const ChildNumbering children = c_.children();
   const auto ofParent = [&](Index f) -> Vec3 { return coarseAreas_[f] * (coarseFacets[f] / 16); };
   for (const auto& [e, f] : countedTwice_) edges[e] -= multipliers_[e].dot(ofParent(f));
   if (mode == BoundaryMode::Open) return;
   parallelFor<Index>(boundary_.edgeCount(), [&](Index k) {
-    edges[boundary_.edges[k]] = wallMultipliers_[k].dot(
-        sumOnWall<Vec3>(k, [&](Index f) { return ofParent(c_.children().facet(f).parent); }));
+    Vec3 sum = Vec3::Zero();
+    visitWallFacets(boundary_.edges[k],
+                    [&](Index f) { sum += ofParent(children.facet(f).parent); });
+    edges[boundary_.edges[k]] = wallMultipliers_[k].dot(sum);
   });
 }
 

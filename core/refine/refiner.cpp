@@ -4,7 +4,7 @@
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
 #include "../topology/split.h"
-#include "refiner_level.h"
+#include "step_adjoint.h"
 
 namespace octet {
 namespace {
@@ -32,6 +32,16 @@ class LevelProgress {
   std::size_t cells_;
 };
 }  // namespace
+
+/// A level with the operators that lead to it from the one before.
+struct Refiner::Level {
+  std::shared_ptr<const Complex> complex;
+  Array<Vec3> positions;
+  Boundary boundary;
+  LatticeSites sites;
+  std::unique_ptr<Smoothing> smoothing;
+  std::unique_ptr<PatchTest> patchTest;
+};
 
 Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
     : options_(options),
@@ -80,9 +90,14 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
     }
     progress.report(LevelProgress::kPositions);
     if (options.smooth && options.patchTest) {
-      fine->patchTest = std::make_unique<PatchTest>(*fine->complex, fine->boundary, linear_,
-                                                    *kernels_, *fine->smoothing, scratch_.get(),
-                                                    coarse.positions, fine->positions);
+      Array<double> edges(fine->complex->edgeCount());
+      const auto uncorrected = [&](const double* in, double* out) {
+        linear_.apply1(*coarse.complex, in, edges.data());
+        fine->smoothing->apply1(in, edges.data(), {}, out);
+      };
+      fine->patchTest =
+          std::make_unique<PatchTest>(*fine->complex, fine->boundary, *kernels_, uncorrected,
+                                      scratch_.get(), coarse.positions, fine->positions);
     }
     levels_.push_back(std::move(fine));
     progress.report(LevelProgress::kAll);
@@ -130,6 +145,14 @@ Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode) c
     if (to.smoothing) to.smoothing->apply3(form.data(), linear, result.data());
   }
   return result;
+}
+
+StepAdjoint Refiner::rows(int level, BoundaryMode mode) const {
+  if (options_.boundaryRows == BoundaryRows::Star) {
+    throw InputError("boundary rows", "influences are known for those of the surface only");
+  }
+  const Level& to = *levels_.at(level + 1);
+  return {*to.complex, to.sites, kernels_->linear, to.smoothing.get(), {to.patchTest.get(), mode}};
 }
 
 template <int K>

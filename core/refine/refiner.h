@@ -5,10 +5,17 @@
 
 #include "../base/progress.h"
 #include "../forms/cochain.h"
+#include "../topology/boundary.h"
 #include "../topology/control_mesh.h"
-#include "patch_test.h"
+#include "../topology/lattice_sites.h"
+#include "boundary_mode.h"
+#include "linear_refinement.h"
 
 namespace octet {
+
+struct CellKernels;
+class ScratchPool;
+class StepAdjoint;
 
 struct RefinerOptions {
   int levels = 1;              ///< number of subdivisions, 0 to 12
@@ -55,8 +62,11 @@ class Refiner {
   template <int K>
   Cochain<K> refine(Cochain<K> form, BoundaryMode mode) const;
 
+  /// One step by rows: how single coefficients on level `level` + 1 depend on level `level`.
+  /// @throws InputError with BoundaryRows::Star
+  StepAdjoint rows(int level, BoundaryMode mode) const;
+
  private:
-  friend class StepAdjoint;  // writes the same operators out by rows
   struct Level;
   RefinerOptions options_;
   LinearRefinement linear_;

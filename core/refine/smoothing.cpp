@@ -3,17 +3,9 @@
 
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
-#include "../rules/smoothing_rules.h"
-#include "patch_test.h"
 
 namespace octet {
 namespace {
-
-enum RowFlag : std::uint8_t {
-  kRegular = 1,   // smoothed by the average over translates
-  kNeedsRow = 2,  // its row of D is read by an irregular simplex
-  kStarRow = 4,   // interior and irregular: its row of D is a mean over its star
-};
 
 double read(LatticeRef ref, const double* values) {
   return ref.exists() ? ref.sign() * values[ref.index()] : 0.0;
@@ -57,32 +49,22 @@ void averageTranslates(const LatticeSites& sites, const Array<std::array<Lattice
   });
 }
 
-/// Rows of a lattice homotopy for the regular simplices that need them.
-template <std::size_t N, std::size_t M>
+/// Rows of a lattice homotopy for the regular simplices that `needs(index)` says need them.
+template <std::size_t N, std::size_t M, typename Needs>
 void latticeRows(const LatticeSites& sites, const Array<std::array<LatticeRef, N>>& slots,
                  const Array<std::uint8_t>& regular,
-                 const std::array<std::vector<LatticeTerm>, N>& homotopy,
-                 const Array<std::uint8_t>& flags, const ScratchPool::Loan& values, double* out) {
+                 const std::array<std::vector<LatticeTerm>, N>& homotopy, const Needs& needs,
+                 const ScratchPool::Loan& values, double* out) {
   parallelFor<Index>(sites.count(), [&](Index s) {
     for (std::size_t c = 0; c < N; ++c) {
-      if (!(regular[s] >> c & 1) || !(flags[slots[s][c].index()] & kNeedsRow)) continue;
+      if (!(regular[s] >> c & 1) || !needs(slots[s][c].index())) continue;
       double sum = 0;
-      for (const LatticeTerm& term : homotopy[c]) {
-        const std::size_t at = static_cast<std::size_t>(sites.siteOf(s, term));
-        sum += term.weight * values[at * M + term.simplexClass];
-      }
+      sites.visitChain(s, homotopy[c], [&](Index at, std::uint8_t simplexClass, double weight) {
+        sum += weight * values[static_cast<std::size_t>(at) * M + simplexClass];
+      });
       out[slots[s][c].index()] = slots[s][c].sign() * sum;
     }
   });
-}
-
-template <typename Shape>
-const CellKernel<Shape>& kernelOf(const CellKernels& kernels) {
-  if constexpr (Shape::kVertices == 4) {
-    return kernels.tet;
-  } else {
-    return kernels.oct;
-  }
 }
 
 /// sum_k matrix[k][:] * input[k]
@@ -155,12 +137,6 @@ void Smoothing::classify() {
   });
 }
 
-/// Fine cells at an edge inside a coarse facet or octahedron: two of each cell.
-double Smoothing::cellsAtNewEdge(Index edge) const {
-  const ChildOf child = c_.children().edge(edge);
-  return child.origin == Origin::Facet && c_.facetOnBoundary(child.parent) ? 2.0 : 4.0;
-}
-
 /// D1 of interior vertices applied to the linear refinement of a 1-form, where `wanted(vertex)`.
 template <typename Wanted>
 void Smoothing::vertexRows(const double* coarseEdges, const Wanted& wanted, double* out) const {
@@ -171,17 +147,14 @@ void Smoothing::vertexRows(const double* coarseEdges, const Wanted& wanted, doub
       const EdgeRef e = localEdge<Shape>(c_, cell, k);
       edges[k] = e.sign() * coarseEdges[e.index()];
     }
-    multiply(kernelOf<Shape>(kernels_).vertexHomotopy, edges, values);
+    multiply(kernels_.of<Shape>().vertexHomotopy, edges, values);
   };
   stars_.vertices(scratch_, fill, wanted, out);
   // So far sums over the star; the row is their mean.
   const ChildNumbering children = c_.children();
   parallelFor<Index>(f_.vertexCount(), [&](Index v) {
     if (!wanted(v)) return;
-    const ChildOf child = children.vertex(v);
-    out[v] /= child.origin == Origin::Vertex ? std::max(stars_.cellsAtVertex(v), 1)
-              : child.origin == Origin::Edge ? stars_.cellsAtMidpoint(child.parent)
-                                             : 14;
+    out[v] /= stars_.cellsAtVertex(children.vertex(v));
   });
 }
 
@@ -190,7 +163,9 @@ template <typename Read>
 void Smoothing::boundaryVertexRows(const Read& edge, double* out) const {
   if (rows_ == BoundaryRows::Star) return;
   parallelFor<Index>(boundary_.vertexCount(), [&](Index row) {
-    out[boundary_.vertices[row]] = boundary_.vertexHomotopy(row, f_, edge);
+    double sum = 0;
+    boundary_.visitVertexEdges(row, f_, [&](EdgeRef e) { sum += edge(e); });
+    out[boundary_.vertices[row]] = boundary_.vertexWeight(row) * sum;
   });
 }
 
@@ -215,44 +190,30 @@ void Smoothing::edgeRows(const double* coarseFacets, const Correction& correctio
       facets[k] = f.sign() * coarseFacets[f.index()];
     }
     if (needsStarRows_[cell]) {
-      multiply(kernelOf<Shape>(kernels_).edgeHomotopy, facets, values);
+      multiply(kernels_.of<Shape>().edgeHomotopy, facets, values);
       for (int k = 0; k < Edges::kCount; ++k) {
         const Index e = closure.index[k];
-        const double cells =
-            k < Edges::kHalves ? stars_.cellsAtEdge(children.edge(e).parent) : cellsAtNewEdge(e);
+        const double cells = stars_.cellsAtEdge(children.edge(e));
         values[k] = edges_[e] & kStarRow ? values[k] * closure.sign[k] / cells : 0.0;
       }
     } else {
       std::fill(values, values + Edges::kCount, 0.0);
     }
-    if (patchTest) patchTest->addCell(kernelOf<Shape>(kernels_), cell, facets, closure, values);
+    if (patchTest) patchTest->addCell(cell, facets, closure, values);
   };
   stars_.edges(scratch_, fill, out);
   if (patchTest) patchTest->finish(correction.mode, coarseFacets, out);
-  if (rows_ == BoundaryRows::Star) return;
-  parallelFor<Index>(boundary_.edgeCount(), [&](Index k) {
-    double sum = 0;
-    for (auto term = boundary_.edgeTermsBegin(k); term != boundary_.edgeTermsEnd(k); ++term) {
-      sum += term->weight * coarseFacets[children.facet(term->facet).parent] / 4;
-    }
-    out[boundary_.edges[k]] += sum;
-  });
+  if (rows_ == BoundaryRows::Surface) boundary_.edgeRows().addTo(coarseFacets, out);
 }
 
-/// D3 of irregular facets applied to the linear refinement of a 3-form. It is the same for the four
-/// children of a coarse facet, since a child's weight (4:1) makes up for its share (1:4); between
-/// the children of one cell it vanishes for the same reason.
+/// D3 of irregular facets applied to the linear refinement of a 3-form, one for all children of a
+/// coarse facet.
 void Smoothing::facetRows(const double* coarseCells, double* out) const {
-  constexpr double kTet = kTetFacetWeight * LinearRules::kTetToTet;
-  constexpr double kOct = kOctFacetWeight * LinearRules::kOctToOct;
   parallelFor<Index>(c_.facetCount(), [&](Index f) {
-    out[f] = 0;
-    if (c_.facetOnBoundary(f)) return;
-    for (int side = 0; side < 2; ++side) {
-      const Index cell = c_.facetCells[f][side].cell();
-      const double w = c_.isTet(cell) ? kTet : kOct;
-      out[f] += (side == 0 ? w : -w) * coarseCells[cell];
-    }
+    double sum = 0;
+    facetRow({Origin::Facet, f, 0}, 1,
+             [&](Index cell, double weight) { sum += weight * coarseCells[cell]; });
+    out[f] = sum;
   });
 }
 
@@ -298,8 +259,9 @@ void Smoothing::apply2(const double* coarse, const double* linear, const Correct
   {
     const auto values = gather(scratch_, sites_.facets, linear);
     averageTranslates(sites_, sites_.facets, sites_.regularFacets, values, out);
+    const auto needs = [&](Index e) { return (edges_[e] & kNeedsRow) != 0; };
     latticeRows<kEdgeClasses, kFacetClasses>(sites_, sites_.edges, sites_.regularEdges,
-                                             Lattice::get().edgeHomotopy, edges_, values,
+                                             Lattice::get().edgeHomotopy, needs, values,
                                              regularRows.data());
   }
   auto facets = scratch_->take(c_.facetCount());
@@ -331,6 +293,7 @@ void Smoothing::apply3(const double* coarse, const double* linear, double* out) 
   {
     auto values = gather(scratch_, sites_.cells, linear);
     averageTranslates(sites_, sites_.cells, sites_.regularCells, values, out);
+    const auto needs = [&](Index f) { return (facets_[f] & kNeedsRow) != 0; };
     // Masses count as positively oriented in space; a mirrored region turns lattice chains over.
     parallelFor<Index>(sites_.count(), [&](Index s) {
       for (int c = 0; c < kCellClasses; ++c) {
@@ -338,7 +301,7 @@ void Smoothing::apply3(const double* coarse, const double* linear, double* out) 
       }
     });
     latticeRows<kFacetClasses, kCellClasses>(sites_, sites_.facets, sites_.regularFacets,
-                                             Lattice::get().facetHomotopy, facets_, values,
+                                             Lattice::get().facetHomotopy, needs, values,
                                              regularRows.data());
   }
   auto facets = scratch_->take(c_.facetCount());

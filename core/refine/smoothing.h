@@ -3,26 +3,14 @@
 
 #include "../base/scratch.h"
 #include "../rules/cell_kernels.h"
+#include "../rules/smoothing_rules.h"
 #include "../topology/boundary.h"
 #include "../topology/lattice_sites.h"
+#include "linear_blocks.h"
+#include "patch_test.h"
 #include "star_sums.h"
 
 namespace octet {
-
-class PatchTest;
-
-/// How forms are refined at the boundary (SCHEME.md section 8).
-enum class BoundaryMode : std::uint8_t {
-  Walls,  ///< boundary simplices use boundary simplices only: zero wall flux stays exactly zero
-  Open,   ///< constants are exact everywhere, flux through a curved wall is not kept at zero
-};
-
-/// The rows of D1 and D2 of boundary simplices.
-enum class BoundaryRows : std::uint8_t {
-  Surface,  ///< on the boundary surface, which becomes an ordinary subdivision surface
-  Star,     ///< means over the cells there are, as inside (the thesis' original rule, Fig. 5.5):
-            ///< what is missing outside pulls the boundary in
-};
 
 /// The correction of D2 by the patch test (patch_test.h) and the boundary mode it is used in.
 struct Correction {
@@ -51,13 +39,33 @@ class Smoothing {
               double* out) const;
   void apply3(const double* coarse, const double* linear, double* out) const;
 
+  /// @name Rows of the homotopy after the linear rule, `add(coarse simplex, weight)` by term
+  /// What the operators above apply to a whole level, for single simplices that are not regular.
+  /// @{
+  /// D1 L1 of a fine vertex, over coarse edges.
+  template <typename Add>
+  void vertexRow(Index vertex, double weight, const Add& add) const;
+  /// D2 L2 of a fine edge, over coarse facets; of a regular edge the correction alone.
+  template <typename Add>
+  void edgeRow(Index edge, const Correction& correction, double weight, const Add& add) const;
+  /// D3 L3 of a fine facet, over coarse cells. It is the same for the four children of a coarse
+  /// facet, since a child's weight (4:1) makes up for its share (1:4); between the children of one
+  /// cell it vanishes for the same reason.
+  template <typename Add>
+  void facetRow(const ChildOf& facet, double weight, const Add& add) const;
+  /// @}
+
  private:
+  enum RowFlag : std::uint8_t {
+    kRegular = 1,   // smoothed by the average over translates
+    kNeedsRow = 2,  // its row of D is read by an irregular simplex
+    kStarRow = 4,   // irregular: its row of D is a mean over its star
+  };
   void classify();
   /// Is the vertex smoothed by a mean over its star?
   bool byStar(Index vertex) const {
     return rows_ == BoundaryRows::Star || !f_.vertexOnBoundary(vertex);
   }
-  double cellsAtNewEdge(Index edge) const;
   template <typename Wanted>
   void vertexRows(const double* coarseEdges, const Wanted& wanted, double* out) const;
   template <typename Read>
@@ -77,5 +85,75 @@ class Smoothing {
   Array<std::uint8_t> vertices_, edges_, facets_, cells_;
   Array<std::uint8_t> needsStarRows_;  // per coarse cell: has an irregular edge or vertex
 };
+
+// ---- implementation of the rows --------------------------------------------------------------
+
+/// A fine simplex' column of a cell's matrix as a row over the cell's own simplices, `own(k)` being
+/// a reference to the k-th, divided by the number of cells at the fine simplex.
+template <int N, int M, typename Own, typename Add>
+void columnRow(const double (&matrix)[N][M], int column, const Own& own, int cells, double weight,
+               const Add& add) {
+  for (int k = 0; k < N; ++k) {
+    if (matrix[k][column] == 0) continue;
+    const auto ref = own(k);
+    add(ref.index(), weight * ref.sign() * matrix[k][column] / cells);
+  }
+}
+
+template <typename Add>
+void Smoothing::vertexRow(Index v, double weight, const Add& add) const {
+  if (!byStar(v)) {
+    const Index row = boundary_.row(v);
+    boundary_.visitVertexEdges(row, f_, [&](EdgeRef e) {
+      linearRow<1>(c_, kernels_.linear, e.index(), weight * e.sign() * boundary_.vertexWeight(row),
+                   add);
+    });
+    return;
+  }
+  const ChildOf vertex = c_.children().vertex(v);
+  const int cells = stars_.cellsAtVertex(vertex);
+  stars_.visitVertex(vertex, [&](Index cell, int k) {
+    withShape(c_, cell, [&](auto shape) {
+      using Shape = decltype(shape);
+      columnRow(
+          kernels_.of<Shape>().vertexHomotopy, k,
+          [&](int own) { return localEdge<Shape>(c_, cell, own); }, cells, weight, add);
+    });
+  });
+}
+
+template <typename Add>
+void Smoothing::edgeRow(Index e, const Correction& correction, double weight,
+                        const Add& add) const {
+  if (edges_[e] & kStarRow) {
+    const ChildOf edge = c_.children().edge(e);
+    const int cells = stars_.cellsAtEdge(edge);
+    stars_.visitEdge(edge, [&](Index cell, int k, double sign) {
+      withShape(c_, cell, [&](auto shape) {
+        using Shape = decltype(shape);
+        columnRow(
+            kernels_.of<Shape>().edgeHomotopy, k,
+            [&](int own) { return localFacet<Shape>(c_, cell, own); }, cells, weight * sign, add);
+      });
+    });
+  }
+  if (correction.patchTest) {
+    correction.patchTest->row(e, correction.mode, weight, [&](Index facet, double w) {
+      linearRow<2>(c_, kernels_.linear, facet, w, add);
+    });
+  }
+  if (rows_ == BoundaryRows::Surface) boundary_.edgeRows().row(e, weight, add);
+}
+
+template <typename Add>
+void Smoothing::facetRow(const ChildOf& facet, double weight, const Add& add) const {
+  if (facet.origin != Origin::Facet || c_.facetOnBoundary(facet.parent)) return;
+  for (int side = 0; side < 2; ++side) {
+    const Index cell = c_.facetCells[facet.parent][side].cell();
+    const double share = c_.isTet(cell) ? kTetFacetWeight * LinearRules::kTetToTet
+                                        : kOctFacetWeight * LinearRules::kOctToOct;
+    add(cell, (side == 0 ? weight : -weight) * share);
+  }
+}
 
 }  // namespace octet

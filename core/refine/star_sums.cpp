@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "star_sums.h"
 
+#include <algorithm>
+
 namespace octet {
 
 StarSums::StarSums(const Complex& coarse) : c_(coarse) {
@@ -33,14 +35,15 @@ StarSums::StarSums(const Complex& coarse) : c_(coarse) {
   });
 }
 
-int StarSums::cellsAtMidpoint(Index coarseEdge) const {
-  // Two corner children of each cell, the octahedron of a tetrahedron, two tetrahedra of an
-  // octahedron.
+int StarSums::cellsAtVertex(const ChildOf& vertex) const {
+  if (vertex.origin == Origin::Octahedron) return 14;
   int n = 0;
-  for (std::uint32_t k = edgeBegin_[coarseEdge]; k < edgeBegin_[coarseEdge + 1]; ++k) {
-    n += c_.isTet(edgeEntries_[k].cell()) ? 3 : 4;
-  }
-  return n;
+  visitVertex(vertex, [&](Index cell, int) {
+    // At a midpoint two corner children of each cell, the octahedron of a tetrahedron, two
+    // tetrahedra of an octahedron.
+    n += vertex.origin == Origin::Vertex ? 1 : c_.isTet(cell) ? 3 : 4;
+  });
+  return std::max(n, 1);
 }
 
 }  // namespace octet

@@ -28,6 +28,22 @@ FacetRef localFacet(const Complex& complex, Index cell, int k) {
   }
 }
 
+/// Calls `body(Tetrahedron{})` or `body(Octahedron{})`, as the cell is.
+template <typename Body>
+void withShape(const Complex& complex, Index cell, const Body& body) {
+  if (complex.isTet(cell)) {
+    body(Tetrahedron{});
+  } else {
+    body(Octahedron{});
+  }
+}
+
+/// Does the edge that cuts off a slot of a facet, from the midpoint towards the next slot to that
+/// towards the one after, have its stored direction (+1)?
+inline double cutSign(FacetRef facet, int slot) {
+  return facet.place((slot + 1) % 3) < facet.place((slot + 2) % 3) ? 1.0 : -1.0;
+}
+
 /// The fine edges in the closure of a coarse cell, in the order of FineEdges: their index, and
 /// whether the local direction is the stored one.
 template <typename Shape>
@@ -50,7 +66,7 @@ struct ClosureEdges {
       for (int s = 0; s < 3; ++s) {
         const int at = FineEdges<Shape>::cut(f, s);
         index[at] = children.cut(facet.index(), facet.place(s));
-        sign[at] = facet.place((s + 1) % 3) < facet.place((s + 2) % 3) ? 1.0 : -1.0;
+        sign[at] = cutSign(facet, s);
       }
     }
     if constexpr (Shape::kVertices == 6) {
@@ -72,15 +88,24 @@ class StarSums {
  public:
   explicit StarSums(const Complex& coarse);
 
-  /// Number of fine cells at a fine vertex, given as coarse vertex, coarse edge (its midpoint).
-  int cellsAtVertex(Index coarseVertex) const {
-    return static_cast<int>(vertexBegin_[coarseVertex + 1] - vertexBegin_[coarseVertex]);
+  /// Number of fine cells at a fine vertex; 1 where there is none.
+  int cellsAtVertex(const ChildOf& vertex) const;
+  /// Number of fine cells at a fine edge.
+  int cellsAtEdge(const ChildOf& edge) const {
+    if (edge.origin == Origin::Edge) {
+      return static_cast<int>(edgeBegin_[edge.parent + 1] - edgeBegin_[edge.parent]);
+    }
+    return edge.origin == Origin::Facet && c_.facetOnBoundary(edge.parent) ? 2 : 4;
   }
-  int cellsAtMidpoint(Index coarseEdge) const;
-  /// Number of cells at a coarse edge, and at each of its halves.
-  int cellsAtEdge(Index coarseEdge) const {
-    return static_cast<int>(edgeBegin_[coarseEdge + 1] - edgeBegin_[coarseEdge]);
-  }
+
+  /// Calls `visit(cell, k)` for the coarse cells at a fine vertex, k its number in the cell's
+  /// FineVertices.
+  template <typename Visit>
+  void visitVertex(const ChildOf& vertex, const Visit& visit) const;
+  /// Calls `visit(cell, k, sign)` for the coarse cells at a fine edge, k its number in the cell's
+  /// FineEdges, whose direction is the stored one or (-1) the opposite.
+  template <typename Visit>
+  void visitEdge(const ChildOf& edge, const Visit& visit) const;
 
   template <typename Fill>
   void edges(ScratchPool* scratch, const Fill& fill, double* out) const;
@@ -123,6 +148,51 @@ class StarSums {
   Array<VertexEntry> vertexEntries_;
 };
 
+template <typename Visit>
+void StarSums::visitVertex(const ChildOf& vertex, const Visit& visit) const {
+  using Tet = FineVertices<Tetrahedron>;
+  using Oct = FineVertices<Octahedron>;
+  if (vertex.origin == Origin::Vertex) {
+    for (std::uint32_t k = vertexBegin_[vertex.parent]; k < vertexBegin_[vertex.parent + 1]; ++k) {
+      visit(vertexEntries_[k].cell(), vertexEntries_[k].place());
+    }
+  } else if (vertex.origin == Origin::Edge) {
+    for (std::uint32_t k = edgeBegin_[vertex.parent]; k < edgeBegin_[vertex.parent + 1]; ++k) {
+      const EdgeEntry entry = edgeEntries_[k];
+      visit(entry.cell(),
+            c_.isTet(entry.cell()) ? Tet::midpoint(entry.edge()) : Oct::midpoint(entry.edge()));
+    }
+  } else {
+    visit(c_.tetCount() + vertex.parent, Oct::kCount - 1);
+  }
+}
+
+template <typename Visit>
+void StarSums::visitEdge(const ChildOf& edge, const Visit& visit) const {
+  using Tet = FineEdges<Tetrahedron>;
+  using Oct = FineEdges<Octahedron>;
+  if (edge.origin == Origin::Edge) {
+    for (std::uint32_t k = edgeBegin_[edge.parent]; k < edgeBegin_[edge.parent + 1]; ++k) {
+      // Halves have the same numbers in both shapes.
+      const EdgeEntry entry = edgeEntries_[k];
+      const int end = entry.forward() ? edge.place : 1 - edge.place;
+      visit(entry.cell(), Tet::half(entry.edge(), end), entry.forward() ? 1.0 : -1.0);
+    }
+  } else if (edge.origin == Origin::Facet) {
+    for (const CellSide& side : c_.facetCells[edge.parent]) {
+      if (!side.exists()) continue;
+      const FacetRef seen = c_.cellFacet(side.cell(), side.facet());
+      int slot = 0;
+      while (seen.place(slot) != edge.place) ++slot;
+      visit(side.cell(),
+            c_.isTet(side.cell()) ? Tet::cut(side.facet(), slot) : Oct::cut(side.facet(), slot),
+            cutSign(seen, slot));
+    }
+  } else {
+    visit(c_.tetCount() + edge.parent, Oct::spoke(edge.place), 1.0);
+  }
+}
+
 template <typename Fill>
 void StarSums::edges(ScratchPool* scratch, const Fill& fill, double* out) const {
   constexpr int kTet = FineEdges<Tetrahedron>::kCount;
@@ -142,29 +212,18 @@ void StarSums::edges(ScratchPool* scratch, const Fill& fill, double* out) const 
         std::copy(values + kOct, values + kOct + 12, out + children.spoke(o, 0));
       },
       64);
+  const auto sum = [&](const ChildOf& edge) {
+    double result = 0;
+    visitEdge(edge, [&](Index cell, int k, double) {
+      result += parts[offset<kTet, kOct>(cell) + static_cast<std::size_t>(k)];
+    });
+    return result;
+  };
   parallelFor<Index>(c_.edgeCount(), [&](Index e) {
-    double atStart = 0, atEnd = 0;
-    for (std::uint32_t k = edgeBegin_[e]; k < edgeBegin_[e + 1]; ++k) {
-      const EdgeEntry entry = edgeEntries_[k];
-      const double* half = parts + offset<kTet, kOct>(entry.cell()) + 2 * entry.edge();
-      atStart += half[entry.forward() ? 0 : 1];
-      atEnd += half[entry.forward() ? 1 : 0];
-    }
-    out[children.half(e, 0)] = atStart;
-    out[children.half(e, 1)] = atEnd;
+    for (int end = 0; end < 2; ++end) out[children.half(e, end)] = sum({Origin::Edge, e, end});
   });
   parallelFor<Index>(c_.facetCount(), [&](Index f) {
-    double sum[3] = {0, 0, 0};
-    for (const CellSide& side : c_.facetCells[f]) {
-      if (!side.exists()) continue;
-      const bool tet = c_.isTet(side.cell());
-      const double* cut = parts + offset<kTet, kOct>(side.cell()) +
-                          (tet ? FineEdges<Tetrahedron>::cut(side.facet(), 0)
-                               : FineEdges<Octahedron>::cut(side.facet(), 0));
-      const FacetRef seen = c_.cellFacet(side.cell(), side.facet());
-      for (int s = 0; s < 3; ++s) sum[seen.place(s)] += cut[s];
-    }
-    std::copy(sum, sum + 3, out + children.cut(f, 0));
+    for (int k = 0; k < 3; ++k) out[children.cut(f, k)] = sum({Origin::Facet, f, k});
   });
 }
 
@@ -189,26 +248,17 @@ void StarSums::vertices(ScratchPool* scratch, const Fill& fill, const Wanted& wa
         if (wanted(centre)) out[centre] = values[kOct];
       },
       64);
-  parallelFor<Index>(c_.vertexCount(), [&](Index v) {
-    if (!wanted(v)) return;
-    double sum = 0;
-    for (std::uint32_t k = vertexBegin_[v]; k < vertexBegin_[v + 1]; ++k) {
-      const VertexEntry entry = vertexEntries_[k];
-      sum += parts[offset<kTet, kOct>(entry.cell()) + static_cast<std::size_t>(entry.place())];
-    }
-    out[v] = sum;
-  });
+  const auto sum = [&](Index fine, const ChildOf& vertex) {
+    if (!wanted(fine)) return;
+    double result = 0;
+    visitVertex(vertex, [&](Index cell, int k) {
+      result += parts[offset<kTet, kOct>(cell) + static_cast<std::size_t>(k)];
+    });
+    out[fine] = result;
+  };
+  parallelFor<Index>(c_.vertexCount(), [&](Index v) { sum(v, {Origin::Vertex, v, 0}); });
   parallelFor<Index>(c_.edgeCount(), [&](Index e) {
-    const Index midpoint = children.midpoint(e);
-    if (!wanted(midpoint)) return;
-    double sum = 0;
-    for (std::uint32_t k = edgeBegin_[e]; k < edgeBegin_[e + 1]; ++k) {
-      const EdgeEntry entry = edgeEntries_[k];
-      const int at = c_.isTet(entry.cell()) ? FineVertices<Tetrahedron>::midpoint(entry.edge())
-                                            : FineVertices<Octahedron>::midpoint(entry.edge());
-      sum += parts[offset<kTet, kOct>(entry.cell()) + static_cast<std::size_t>(at)];
-    }
-    out[midpoint] = sum;
+    sum(children.midpoint(e), {Origin::Edge, e, 0});
   });
 }
 

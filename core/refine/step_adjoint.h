@@ -3,20 +3,23 @@
 
 #include <vector>
 
-#include "refiner.h"
+#include "../base/progress.h"
+#include "smoothing.h"
 #include "sparse_row.h"
 
 namespace octet {
 
+class Refiner;
+
 /// @brief Rows of one subdivision step S_k, k = 1 or 2: how a coefficient on the fine level depends
-/// on those of the coarse one (SCHEME.md sections 4 to 8). What Smoothing and PatchTest apply to
-/// whole levels, written out for single simplices; both agree to rounding, on every mesh and in
-/// both boundary modes. Thread safe; the refiner must outlive it.
+/// on those of the coarse one (SCHEME.md sections 4 to 8), composed of the rules' own rows. Agrees
+/// with the step to rounding, on every mesh and in both boundary modes. Thread safe; refers to what
+/// it is made from.
 class StepAdjoint {
  public:
-  /// @param level  of the coarse side, 0 <= level < refiner.levels()
-  /// @throws InputError for a refiner with BoundaryRows::Star
-  StepAdjoint(const Refiner& refiner, int level, BoundaryMode mode);
+  /// @param smoothing  null: linear subdivision
+  StepAdjoint(const Complex& fine, const LatticeSites& sites, const LinearRules& linear,
+              const Smoothing* smoothing, const Correction& correction);
 
   const Complex& coarse() const { return c_; }
   const Complex& fine() const { return f_; }
@@ -27,39 +30,21 @@ class StepAdjoint {
   void addFacet(Index fineFacet, double weight, RowSum* sum) const;
 
  private:
-  template <typename Add>
-  void linearEdge(Index fineEdge, double weight, const Add& add) const;
-  template <typename Add>
-  void linearFacet(Index fineFacet, double weight, const Add& add) const;
-  template <typename Add>
-  void vertexRow(Index fineVertex, double weight, const Add& add) const;
-  template <typename Add>
-  void edgeRow(Index fineEdge, double weight, const Add& add) const;
-  template <typename Add>
-  void patchTestRow(Index fineEdge, double weight, const Add& add) const;
+  void listLatticeSlots();
+  template <std::size_t N, typename Add>
+  void averageRow(const Array<std::array<LatticeRef, N>>& refs, Index slot, double weight,
+                  const Add& add) const;
   template <typename Add>
   void regularEdgeRow(Index fineEdge, double weight, const Add& add) const;
-  template <typename Add>
-  void derivative(Index coarseFacet, double weight, const Add& add) const;
-  template <typename Visit>
-  void visitCellsAtVertex(Index fineVertex, const Visit& visit) const;
-  template <typename Visit>
-  void visitCellsAtEdge(Index fineEdge, const Visit& visit) const;
-  void listLatticeSlots();
-  void listWallEdges();
-  Vec3 area(Index fineFacet) const;
 
   const Complex& c_;
   const Complex& f_;
-  const Boundary& boundary_;
   const LatticeSites& sites_;
-  const CellKernels& kernels_;
-  const Smoothing* smoothing_;  // null: linear subdivision
-  const PatchTest* patchTest_;  // null: nothing to correct
-  BoundaryMode mode_;
+  const LinearRules& linear_;
+  const Smoothing* smoothing_;
+  Correction correction_;
   // Of regular simplices: site and class, as site * 8 + class; else kNone.
   Array<Index> edgeSlots_, facetSlots_;
-  Array<Index> wallEdges_;  // position of a fine edge in the boundary's list; else kNone
 };
 
 /// @brief The adjoint of refinement: turns functionals of the finest level's coefficients into the
@@ -70,6 +55,7 @@ class RefinementAdjoint {
   static_assert(K == 1 || K == 2, "vector fields");
 
  public:
+  /// @throws InputError for a refiner with BoundaryRows::Star
   RefinementAdjoint(const Refiner& refiner, BoundaryMode mode);
 
   /// @param rows  over coefficients of the finest level

@@ -42,6 +42,15 @@ struct CellKernel {
 struct CellKernels {
   explicit CellKernels(double zeta) : linear(zeta), tet(linear), oct(linear) {}
 
+  template <typename Shape>
+  const CellKernel<Shape>& of() const {
+    if constexpr (Shape::kVertices == 4) {
+      return tet;
+    } else {
+      return oct;
+    }
+  }
+
   LinearRules linear;
   CellKernel<Tetrahedron> tet;
   CellKernel<Octahedron> oct;

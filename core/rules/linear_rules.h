@@ -12,14 +12,23 @@ namespace octet {
 inline constexpr double kDefaultZeta = -5.0;
 
 /// @brief Linear (Whitney) subdivision inside one cell (SCHEME.md section 4, thesis 3.3 and 4.1) as
-/// small matrices over the cell's own edges (lower to higher local vertex) and outward facets. The
-/// rules on edges and facets of the coarse level need no table: 1/2, 1/4.
+/// small matrices over the cell's own edges (lower to higher local vertex) and outward facets, and
+/// on edges and facets of the coarse level.
 struct LinearRules {
   explicit LinearRules(double zeta = kDefaultZeta);
 
   /// Weight of the two edges most nearly parallel to an octahedron's spoke: p = (zeta + 6) / 8.
   static double parallelWeight(double zeta) { return (zeta + 6) / 8; }
 
+  /// 1-form on half an edge, 2-form on a quarter of a facet.
+  static constexpr std::array<double, 1> kHalf = {1.0 / 2}, kQuarter = {1.0 / 4};
+  /// 1-form on the edge in a facet (0,1,2) that cuts off corner k, from the midpoint towards the
+  /// lower of the other corners to that towards the higher: 1/4 of the edge that it is parallel to,
+  /// and of the two at the corner, over the edges kCutInputs in the order of summation.
+  static constexpr int kCutInputs[4][2] = {{1, 2}, {0, 2}, {0, 1}, {1, 2}};
+  static constexpr std::array<double, 4> kCut[3] = {{1.0 / 4, 1.0 / 4, -1.0 / 4, 0},
+                                                    {1.0 / 4, 1.0 / 4, 1.0 / 4, 0},
+                                                    {0, 1.0 / 4, 1.0 / 4, -1.0 / 4}};
   /// 1-form on the spoke from the centre to the midpoint of local edge k.
   std::array<std::array<double, 12>, 12> octSpoke;
   /// 2-form on facet (centre, xy, xz), in the order of the split: x ascending, then y < z.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <tuple>
 #include <utility>
 
 #include "linear_rules.h"
@@ -73,15 +72,16 @@ class LocalLinear {
     EdgeRow row{};
     const auto [e, sign] = find(a, b);
     if (e < FineEdges<Shape>::kHalves) {
-      row[e / 2] = 0.5 * sign;
+      row[e / 2] = sign * LinearRules::kHalf[0];
     } else if (e < FineEdges<Shape>::kHalves + FineEdges<Shape>::kCuts) {
       const int f = (e - FineEdges<Shape>::kHalves) / 3, s = (e - FineEdges<Shape>::kHalves) % 3;
-      const auto& t = Shape::facets[f];
-      const int x = t[s], y = t[(s + 1) % 3], z = t[(s + 2) % 3];
-      // (xy, xz): 1/4 (yz) + 1/4 (xz) - 1/4 (xy)
-      for (const auto& [p, q, w] :
-           {std::tuple{y, z, 0.25}, std::tuple{x, z, 0.25}, std::tuple{x, y, -0.25}}) {
-        row[kCellTables<Shape>.edgeBetween[p][q]] += sign * (p < q ? w : -w);
+      // Here it runs from the slot after the corner to the one after that.
+      const double along = s == 1 ? -sign : sign;
+      for (int k = 0; k < 4; ++k) {
+        const int p = Shape::facets[f][LinearRules::kCutInputs[k][0]];
+        const int q = Shape::facets[f][LinearRules::kCutInputs[k][1]];
+        const double w = along * LinearRules::kCut[s][k];
+        row[kCellTables<Shape>.edgeBetween[p][q]] += p < q ? w : -w;
       }
     } else {
       for (int k = 0; k < Shape::kEdges; ++k) {
@@ -99,7 +99,7 @@ class LocalLinear {
     if (child.inside) {
       for (int k = 0; k < Shape::kFacets; ++k) row[k] = sign * inside(child.facet, k);
     } else {
-      row[child.facet] = sign / 4;
+      row[child.facet] = sign * LinearRules::kQuarter[0];
     }
     return row;
   }

@@ -7,22 +7,12 @@
 #include "../rules/smoothing_rules.h"
 
 namespace octet {
-namespace {
-
-bool hasEdge(const Complex& complex, Index facet, Index edge) {
-  const auto& edges = complex.facetEdges[facet];
-  return std::any_of(edges.begin(), edges.end(),
-                     [&](const EdgeRef& e) { return e.index() == edge; });
-}
-
-}  // namespace
-
 Boundary::Boundary(const Complex& complex, const std::vector<Index>& corners,
                    const Boundary* coarse) {
   list(complex, coarse);
   buildRings(complex);
   classify(complex, corners);
-  buildEdgeTerms(complex);
+  if (coarse) buildEdgeRows(complex);
 }
 
 void Boundary::list(const Complex& complex, const Boundary* coarse) {
@@ -81,7 +71,7 @@ void Boundary::buildRings(const Complex& complex) {
         return earlier.edge.index() == step->edge.index();
       });
       const auto following = std::find_if(step + 1, end, [&](const RingStep& candidate) {
-        return hasEdge(complex, step->facet, candidate.edge.index());
+        return facetHasEdge(complex, step->facet, candidate.edge.index());
       });
       if (following != end) std::swap(*(step + 1), *following);
     }
@@ -106,25 +96,32 @@ void Boundary::classify(const Complex& complex, const std::vector<Index>& corner
     kinds[row] = pinned || creases == 1 || creases > 2 ? BoundaryKind::Corner
                  : creases == 2                        ? BoundaryKind::Crease
                                                        : BoundaryKind::Smooth;
-    weights_[row] = kinds[row] == BoundaryKind::Smooth ? 2 * loopBeta(valence(row)) : kCreaseWeight;
+    weights_[row] = kinds[row] == BoundaryKind::Smooth   ? -2 * loopBeta(valence(row))
+                    : kinds[row] == BoundaryKind::Crease ? -kCreaseWeight
+                                                         : 0;
     constexpr Index kRegularValence = 6;
     bool regular = kinds[row] == BoundaryKind::Smooth && valence(row) == kRegularValence &&
                    ringEnd(row) - ringBegin(row) == kRegularValence;
     for (Index k = 0; k < kRegularValence && regular; ++k) {
       const Index next = ringBegin(row)[(k + 1) % kRegularValence].edge.index();
-      regular = hasEdge(complex, ringBegin(row)[k].facet, next);
+      regular = facetHasEdge(complex, ringBegin(row)[k].facet, next);
     }
     regular_[row] = regular;
   });
 }
 
-void Boundary::buildEdgeTerms(const Complex& complex) {
+void Boundary::buildEdgeRows(const Complex& complex) {
+  const ChildNumbering children = complex.coarse->children();
   const auto stepTo = [&](Index row, Index edge) {
     const RingStep* step = ringBegin(row);
     while (step->edge.index() != edge) ++step;
     return static_cast<Index>(step - ringBegin(row));
   };
-  const auto visitTerms = [&](Index k, const auto& add) {
+  edgeRows_ = LocalRows(edges, [&](Index k, const auto& add) {
+    // Boundary facets are quarters of coarse ones.
+    const auto addFacet = [&](const RingStep& step, double weight) {
+      add(children.facet(step.facet).parent, weight * step.facetSign / 4);
+    };
     const Index e = edges[k];
     if (complex.edgeFlags[e] & kOnCrease) return;
     const Index u = rows_[complex.edges[e][0]], v = rows_[complex.edges[e][1]];
@@ -134,26 +131,15 @@ void Boundary::buildEdgeTerms(const Complex& complex) {
         // Seen from v, the edge back to u is direction 3.
         const Index place =
             term.atEnd ? (atV + term.direction + 3) % 6 : (atU + term.direction) % 6;
-        const RingStep& step = ringBegin(term.atEnd ? v : u)[place];
-        add(FacetTerm{step.facet, term.weight * step.facetSign});
+        addFacet(ringBegin(term.atEnd ? v : u)[place], term.weight);
       }
       return;
     }
     for (const RingStep* step = ringBegin(u); step != ringEnd(u); ++step) {
-      if (!hasEdge(complex, step->facet, e)) continue;
+      if (!facetHasEdge(complex, step->facet, e)) continue;
       // The facet that follows the edge around u has it counterclockwise, one before it clockwise.
-      const double w = step->edge.index() == e ? kBoundaryEdgeWeight : -kBoundaryEdgeWeight;
-      add(FacetTerm{step->facet, w * step->facetSign});
+      addFacet(*step, step->edge.index() == e ? kBoundaryEdgeWeight : -kBoundaryEdgeWeight);
     }
-  };
-  termBegin_.assign(edges.size() + 1, 0);
-  parallelFor<Index>(
-      edgeCount(), [&](Index k) { visitTerms(k, [&](const FacetTerm&) { ++termBegin_[k + 1]; }); });
-  for (std::size_t k = 1; k < termBegin_.size(); ++k) termBegin_[k] += termBegin_[k - 1];
-  terms_.resize(termBegin_.back());
-  parallelFor<Index>(edgeCount(), [&](Index k) {
-    Index at = termBegin_[k];
-    visitTerms(k, [&](const FacetTerm& term) { terms_[at++] = term; });
   });
 }
 

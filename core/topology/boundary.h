@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "complex.h"
+#include "local_rows.h"
 
 namespace octet {
 
@@ -18,11 +21,11 @@ struct RingStep {
   bool firstOfEdge;       ///< false when an earlier step has the same edge (sheets that touch)
 };
 
-/// A term of a chain of boundary facets.
-struct FacetTerm {
-  Index facet;
-  double weight;
-};
+/// Is the edge one of the facet's?
+inline bool facetHasEdge(const Complex& complex, Index facet, Index edge) {
+  const auto& own = complex.facetEdges[facet];
+  return own[0].index() == edge || own[1].index() == edge || own[2].index() == edge;
+}
 
 /// @brief The boundary surface of one level: its facets, edges and vertices as compact lists, rings
 /// around its vertices, and the smoothing rows D1 and D2 that stay on it. What the rows never leave
@@ -39,6 +42,10 @@ class Boundary {
 
   /// Row of a vertex in the lists below, or kNone off the boundary.
   Index row(Index vertex) const { return rows_[vertex]; }
+  /// Position of a boundary edge in the list of edges.
+  Index edgeRow(Index edge) const {
+    return static_cast<Index>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin());
+  }
   const RingStep* ringBegin(Index row) const { return ring_.data() + ringBegin_[row]; }
   const RingStep* ringEnd(Index row) const { return ring_.data() + ringBegin_[row + 1]; }
   /// Number of boundary edges at a vertex.
@@ -46,43 +53,40 @@ class Boundary {
   /// Is the vertex smooth with one ring of six edges, as in the triangular lattice?
   bool regular(Index row) const { return regular_[row] != 0; }
 
-  /// D1 of boundary vertex `row` applied to a 1-form, `read(EdgeRef)` giving its coefficients.
-  template <typename Read>
-  double vertexHomotopy(Index row, const Complex& complex, const Read& read) const;
+  /// D1 of boundary vertex `row`: one weight on each edge that it reads, and these edges, seen from
+  /// the vertex, by calls of `visit(EdgeRef)`.
+  double vertexWeight(Index row) const { return weights_[row]; }
+  template <typename Visit>
+  void visitVertexEdges(Index row, const Complex& complex, const Visit& visit) const;
+  /// D2 of boundary edges after the linear rule, over coarse facets; none on a control mesh.
+  const LocalRows& edgeRows() const { return edgeRows_; }
 
-  /// D2 of boundary edge `k` (position in `edges`).
-  const FacetTerm* edgeTermsBegin(Index k) const { return terms_.data() + termBegin_[k]; }
-  const FacetTerm* edgeTermsEnd(Index k) const { return terms_.data() + termBegin_[k + 1]; }
-
-  std::vector<Index> facets, edges, vertices;
-  Array<BoundaryKind> kinds;  ///< per row
+  std::vector<Index> facets, edges, vertices;  ///< each ascending
+  Array<BoundaryKind> kinds;                   ///< per row
 
  private:
   void list(const Complex& complex, const Boundary* coarse);
   void buildRings(const Complex& complex);
   void classify(const Complex& complex, const std::vector<Index>& corners);
-  void buildEdgeTerms(const Complex& complex);
+  void buildEdgeRows(const Complex& complex);
 
   Array<Index> rows_;
   Array<Index> ringBegin_;
   Array<RingStep> ring_;
   Array<std::uint8_t> regular_;
-  Array<Index> termBegin_;
-  Array<FacetTerm> terms_;
-  Array<double> weights_;  // of D1, on each edge it uses
+  Array<double> weights_;
+  LocalRows edgeRows_;
 };
 
-template <typename Read>
-double Boundary::vertexHomotopy(Index row, const Complex& complex, const Read& read) const {
-  if (kinds[row] == BoundaryKind::Corner) return 0;
-  double sum = 0;
+template <typename Visit>
+void Boundary::visitVertexEdges(Index row, const Complex& complex, const Visit& visit) const {
+  if (kinds[row] == BoundaryKind::Corner) return;
   for (const RingStep* step = ringBegin(row); step != ringEnd(row); ++step) {
     if (!step->firstOfEdge) continue;
     if (kinds[row] == BoundaryKind::Smooth || complex.edgeFlags[step->edge.index()] & kOnCrease) {
-      sum += read(step->edge);
+      visit(step->edge);
     }
   }
-  return -weights_[row] * sum;
 }
 
 }  // namespace octet

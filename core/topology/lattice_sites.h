@@ -51,6 +51,12 @@ class LatticeSites {
     return via == kNone ? kNone : hop(via, term.hops[1]);
   }
 
+  /// Calls `visit(site, class, weight)` for a lattice chain's terms, seen from a regular site.
+  template <typename Visit>
+  void visitChain(Index site, const std::vector<LatticeTerm>& chain, const Visit& visit) const {
+    for (const LatticeTerm& term : chain) visit(siteOf(site, term), term.simplexClass, term.weight);
+  }
+
   Array<Index> vertices;  ///< of each site
   Array<std::array<Index, kNeighbours>> neighbours;
   Array<std::array<LatticeRef, kEdgeClasses>> edges;
