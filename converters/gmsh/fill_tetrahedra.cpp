@@ -8,8 +8,7 @@
 #include <octet/core/base/parallel.h>
 #include <octet/core/cage/nesting.h>
 
-#include "child_process.h"
-#include "gmsh_volumes.h"
+#include "gmsh_program.h"
 #include "remesh.h"
 
 namespace octet {
@@ -81,7 +80,7 @@ class TetrahedraFill {
   ControlMesh run(TetrahedraReport* report) {
     check();
     chooseBoundary();
-    const ControlMesh mesh = build(meshInChild());
+    const ControlMesh mesh = build(meshVolumes());
     checkBoundary(mesh);
     report_.surfaceDistance = distance();
     if (report) *report = report_;
@@ -108,7 +107,7 @@ class TetrahedraFill {
           place("triangles", crossing->triangle),
           "the surface intersects itself: meets " + place("triangles", crossing->other));
     }
-    if (!options_.keepTriangles) given_ = withoutSlivers(given_);
+    if (!options_.keepTriangles) given_ = withoutSlivers(given_, options_.progress);
     const std::vector<SurfacePart> parts = surfaceParts(given_);
     report_.bodyVolume = volumeOf(parts);
     for (const SurfacePart& part : parts) ++(part.depth % 2 ? report_.cavities : report_.bodies);
@@ -201,33 +200,21 @@ class TetrahedraFill {
     return in;
   }
 
-  /// Generous: Gmsh takes some 1 kB and 0.1 ms a tetrahedron.
-  ChildLimits limits() const {
+  GmshMesh meshVolumes() const {
     const double h = options_.spacing;
     const auto cells = static_cast<std::uint64_t>(report_.bodyVolume / (kTetVolume * h * h * h)) +
                        20 * boundary_.surface.triangles.size();
-    ChildLimits limits;
-    limits.memory += 10'000 * cells;
-    limits.time += std::chrono::milliseconds(cells);
-    limits.goOn = [this] {
-      return !options_.progress || options_.progress({"mesh with Gmsh", 0, 0, "tetrahedra"});
-    };
-    return limits;
-  }
-
-  GmshMesh meshInChild() const {
-    const GmshShells in = shells();
-    const ChildResult result = runInChild([&] { return pack(meshVolumes(in)); }, limits());
-    if (result.stopped) throw Cancelled();
-    if (!result.failure.empty()) throw InputError("", "Gmsh " + result.failure + " meshing it");
-    GmshMesh mesh;
-    try {
-      mesh = unpack(result.bytes);
-    } catch (const std::runtime_error&) {
-      throw InputError("", "Gmsh failed meshing it");
-    }
-    if (!mesh.error.empty()) throw InputError("", "Gmsh cannot mesh it: " + mesh.error);
-    return mesh;
+    GmshWork work;
+    work.request = MessageKind::FillMesh;
+    work.who = "Gmsh";
+    work.doing = "meshing it";
+    // Generous: Gmsh takes some 1 kB and 0.1 ms a tetrahedron.
+    work.mostBytes = kLeastMemory + 10'000 * cells;
+    work.time = kLeastTime + std::chrono::milliseconds(cells);
+    work.report = {"mesh with Gmsh", 0, 0, "tetrahedra"};
+    work.progress = options_.progress;
+    work.content = pack(FillRequest{shells(), work.mostBytes});
+    return askGmsh<GmshMesh>(work);
   }
 
   /// Vertices of the boundary come first, then Gmsh's in the order of their tags.
@@ -239,8 +226,11 @@ class TetrahedraFill {
     }
     std::sort(inner.begin(), inner.end());
     const auto number = [&](Tag tag) {
-      if (tag <= onBoundary) return static_cast<Index>(tag) - 1;
+      if (tag >= 1 && tag <= onBoundary) return static_cast<Index>(tag) - 1;
       const auto found = std::lower_bound(inner.begin(), inner.end(), tag);
+      if (found == inner.end() || *found != tag) {
+        throw InputError("", "Gmsh failed: it made a tetrahedron without such a node");
+      }
       return static_cast<Index>(onBoundary) + static_cast<Index>(found - inner.begin());
     };
     ControlMeshInput input;

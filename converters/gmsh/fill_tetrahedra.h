@@ -33,10 +33,10 @@ struct TetrahedraReport {
 /// surface remeshed at the spacing by CGAL (remesh.h); its vertices lie on the surface, its creases
 /// follow the surface's sharp edges, and corners of these are corners. A part of the surface within
 /// another is a cavity, one within a cavity a body again, whichever way the triangles are oriented.
-/// Gmsh runs in a child process, limited in time and memory (gmsh_volumes.h).
+/// Gmsh and CGAL run in a program of their own, Gmsh limited in time and memory (gmsh_program.h).
 /// @throws InputError for a surface that is not closed, intersects or touches itself, or encloses
 /// nothing; for a spacing that is not positive, makes too many cells, or is too coarse for the
-/// body; for what Gmsh cannot mesh. IoError when no process can be started. Cancelled.
+/// body; for what Gmsh cannot mesh. IoError without octetvdb-gmsh. Cancelled.
 ControlMesh fillWithTetrahedra(const TriangleSurface& surface, const TetrahedraOptions& options,
                                TetrahedraReport* report = nullptr);
 

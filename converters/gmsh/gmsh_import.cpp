@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/system.h>
 
-#include "child_process.h"
 #include "file_check.h"
-#include "gmsh_reader.h"
+#include "gmsh_program.h"
 
 namespace octet {
 namespace {
@@ -28,10 +27,8 @@ enum Type { kLine = 1, kTriangle = 2, kTetrahedron = 4, kPoint = 15 };
 /// for a FILE.opt and run it.
 class PrivateName {
  public:
-  PrivateName(const std::string& file, MeshFormat format) {
-    std::string folder = std::filesystem::temp_directory_path() / "octetvdb-XXXXXX";
-    if (!::mkdtemp(folder.data())) throw IoError(folder, "cannot be made");
-    folder_ = folder;
+  PrivateName(const std::string& file, MeshFormat format)
+      : folder_(system::makeTemporaryFolder("octetvdb-")) {
     const char* names[] = {"mesh.msh", "mesh.mesh", "mesh.vtk"};
     path_ = folder_ / names[static_cast<int>(format)];
     std::error_code error;
@@ -57,30 +54,17 @@ class PrivateName {
   std::filesystem::path folder_, path_;
 };
 
-/// Generous: reading takes about 30 times the size of the file, and a second per 10 MB.
-ChildLimits limitsFor(const MeshFile& file) {
-  ChildLimits limits;
-  limits.memory += 100 * file.bytes;
-  limits.time += std::chrono::milliseconds(file.bytes / 500);
-  return limits;
-}
-
-GmshMesh readInChild(const std::string& path, const MeshFile& file) {
+GmshMesh readInProgram(const std::string& path, const MeshFile& file) {
   const PrivateName name(path, file.format);
-  const std::string nameInChild = name.path();
-  const ChildResult result =
-      runInChild([&] { return pack(readWithGmsh(nameInChild)); }, limitsFor(file));
-  if (!result.failure.empty()) {
-    throw InputError("", "Gmsh " + result.failure + " reading it: it is damaged");
-  }
-  GmshMesh mesh;
-  try {
-    mesh = unpack(result.bytes);
-  } catch (const std::runtime_error&) {
-    throw InputError("", "Gmsh failed reading it: it is damaged");
-  }
-  if (!mesh.error.empty()) throw InputError("", mesh.error);
-  return mesh;
+  GmshWork work;
+  work.request = MessageKind::ReadMesh;
+  work.who = "Gmsh";
+  work.doing = "reading it: it is damaged";
+  // Generous: reading takes about 30 times the size of the file, and a second per 10 MB.
+  work.mostBytes = kLeastMemory + 100 * file.bytes;
+  work.time = kLeastTime + std::chrono::milliseconds(file.bytes / 500);
+  work.content = pack(MeshRequest{name.path(), work.mostBytes});
+  return askGmsh<GmshMesh>(work);
 }
 
 /// "hexahedra" for "Hexahedron 8".
@@ -429,7 +413,7 @@ class AssetBuilder {
 ControlAsset readGmshMesh(const std::string& path) {
   try {
     const MeshFile file = checkMeshFile(path);
-    ControlAsset asset = AssetBuilder(readInChild(path, file)).run(file);
+    ControlAsset asset = AssetBuilder(readInProgram(path, file)).run(file);
     asset.name = std::filesystem::path(path).stem().string();
     return asset;
   } catch (const InputError& e) {

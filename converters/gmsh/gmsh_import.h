@@ -25,12 +25,12 @@ namespace octet {
 /// Lines of physical curves named "crease" or "creases" are the creases, instead of the default
 /// guess; points of physical points named "corner" or "corners" the corners (case does not matter).
 ///
-/// Gmsh runs in a child process, made by fork() and limited in time and memory (gmsh_reader.h tells
-/// why), so it leaves no state in this one and prints nothing. Several threads may read at once.
+/// Gmsh runs in a program of its own, limited in time and memory (gmsh_program.h), so it leaves no
+/// state in this process and prints nothing. Several threads may read at once.
 ///
 /// @throws InputError with the file, the place and the reason: not a file that Gmsh reads, other
 /// cells than linear tetrahedra, data that is no form; where ControlMesh::build refuses the mesh,
-/// its places count vertices and tetrahedra from 0. IoError when no process can be started.
+/// its places count vertices and tetrahedra from 0. IoError without octetvdb-gmsh.
 ControlAsset readGmshMesh(const std::string& path);
 
 }  // namespace octet

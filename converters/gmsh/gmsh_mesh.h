@@ -39,10 +39,9 @@ struct PhysicalGroup {
   std::vector<ElementBlock> blocks;
 };
 
-/// What Gmsh found in a mesh file, as plain data. It comes out of a process whose memory a broken
-/// file may have spoilt: nothing in it is to be relied on unchecked.
+/// What Gmsh found in a mesh file or made, as plain data. It comes out of a process whose memory a
+/// broken file may have spoilt: nothing in it is to be relied on unchecked.
 struct GmshMesh {
-  std::string error;  ///< why Gmsh cannot read the file
   std::vector<std::string> messages;
   std::vector<Tag> nodeTags;
   std::vector<double> coordinates;
@@ -51,8 +50,13 @@ struct GmshMesh {
   std::vector<PhysicalGroup> groups;  ///< points and curves
 };
 
-/// GmshMesh as bytes and back. unpack throws std::runtime_error when they are damaged.
-std::string pack(const GmshMesh& mesh);
-GmshMesh unpack(const std::string& bytes);
+/// Closed surfaces of triangles, and the volumes that they bound.
+struct GmshShells {
+  std::vector<double> coordinates;               ///< of all nodes; node k has the tag k + 1
+  std::vector<std::vector<std::size_t>> shells;  ///< tags of the triangles' nodes, by shell
+  /// Shells of each volume: the one around it, then those of its cavities.
+  std::vector<std::vector<std::size_t>> volumes;
+  double edgeLength = 0;  ///< wanted inside
+};
 
 }  // namespace octet::gmsh_import

@@ -4,6 +4,9 @@
 #include <octet/core/base/progress.h>
 #include <octet/core/cage/sharp_edges.h>
 
+/// @file
+/// What CGAL does to surfaces, in the program octetvdb-gmsh.
+
 namespace octet {
 
 struct RemeshOptions {
@@ -20,7 +23,7 @@ struct RemeshedSurface {
 
 /// @brief The surface with triangles turned to agree with their neighbours.
 /// @throws InputError for edges without two triangles, vertices at which the surface touches
-/// itself, and one-sided surfaces
+/// itself, and one-sided surfaces; IoError as askGmsh (gmsh_program.h)
 TriangleSurface oriented(const TriangleSurface& surface);
 
 /// @brief Triangles about as large as wanted for a closed surface, whatever its own are, by CGAL:
@@ -33,14 +36,15 @@ TriangleSurface oriented(const TriangleSurface& surface);
 /// come out as `oriented`; where the surface is finer than the wanted edges, as around thin parts,
 /// they stay smaller. Deterministic, one thread but for searches. That the result does not
 /// intersect itself is for findSelfIntersection to tell.
-/// @throws InputError as oriented; Cancelled
+/// @throws as oriented; Cancelled
 RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options);
 
 /// @brief The surface without triangles so flat that their normals, and with these the sharp edges
 /// at them, are rounding, such as CAD programs write: edges of no length are collapsed, and long
 /// edges that run past a vertex turned, by CGAL. No vertex moves. Where that is not possible
 /// triangles stay.
-/// @throws InputError as oriented
-TriangleSurface withoutSlivers(const TriangleSurface& surface);
+/// @throws as oriented; Cancelled
+TriangleSurface withoutSlivers(const TriangleSurface& surface,
+                               const ProgressCallback& progress = {});
 
 }  // namespace octet

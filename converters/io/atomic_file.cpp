@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "atomic_file.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <octet/core/base/error.h>
+#include <octet/core/base/system.h>
 
 namespace octet {
 namespace fs = std::filesystem;
@@ -28,32 +24,27 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path) {
   }
   // Creating it now tells at once whether the folder can be written. Other programs, in other
   // containers or on other machines with the same folder, may have the same number.
-  int file = -1;
-  for (int attempt = 0; file < 0; ++attempt) {
-    const std::string name = "." + target.stem().string() + "." + std::to_string(::getpid()) + "-" +
+  std::error_code error;
+  int attempt = 0;
+  do {
+    const std::string name = "." + target.stem().string() + "." +
+                             std::to_string(system::processNumber()) + "-" +
                              std::to_string(attempt) + ".tmp" + target.extension().string();
     temporary_ = (target.parent_path() / name).string();
-    file = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (file < 0 && (errno != EEXIST || attempt == kMostAttempts)) {
-      throw IoError(path, std::string("cannot be written: ") + std::strerror(errno));
-    }
-  }
-  ::close(file);
+    error = system::createNewFile(temporary_);
+  } while (error == std::errc::file_exists && attempt++ < kMostAttempts);
+  if (error) throw IoError(path, "cannot be written: " + error.message());
 }
 
 AtomicFile::~AtomicFile() {
-  if (!committed_) ::unlink(temporary_.c_str());
+  std::error_code ignored;
+  if (!committed_) fs::remove(temporary_, ignored);
 }
 
 void AtomicFile::commit() {
-  const int file = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool flushed = file >= 0 && ::fsync(file) == 0;
-  const int error = errno;
-  if (file >= 0) ::close(file);
-  if (!flushed) throw IoError(path_, std::string("cannot be written: ") + std::strerror(error));
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
-    throw IoError(path_, std::string("cannot be written: ") + std::strerror(errno));
-  }
+  std::error_code error = system::flushToDisk(temporary_);
+  if (!error) error = system::replaceFile(temporary_, path_);
+  if (error) throw IoError(path_, "cannot be written: " + error.message());
   committed_ = true;
 }
 

@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include <unistd.h>
-
 #include <octet/core/base/error.h>
+#include <octet/core/base/system.h>
 #include <octet/core/topology/domain_box.h>
 #include <octet/core/topology/mean_edge.h>
 
@@ -19,8 +18,8 @@ constexpr double kBytesPerCell = 600;
 
 /// The machine's memory in bytes. Beyond it the system would end the program, or others.
 double machineMemory() {
-  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
-  return pages > 0 && size > 0 ? static_cast<double>(pages) * static_cast<double>(size) : HUGE_VAL;
+  const std::uint64_t bytes = system::physicalMemory();
+  return bytes > 0 ? static_cast<double>(bytes) : HUGE_VAL;
 }
 
 /// A mesh after one level: what its limit surface and the levels after it are foreseen from.

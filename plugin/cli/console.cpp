@@ -10,11 +10,9 @@
 
 #include <unistd.h>
 
+#include <octet/converters/gmsh/gmsh_import.h>
 #include <octet/converters/io/atomic_file.h>
 #include <octet/core/base/error.h>
-#ifdef OCTETVDB_WITH_GMSH
-#include <octet/converters/gmsh/gmsh_import.h>
-#endif
 
 namespace octet::cli {
 namespace {
@@ -92,13 +90,7 @@ ControlAsset readAsset(const std::string& path) {
   if (extension != ".msh" && extension != ".mesh" && extension != ".vtk") {
     return readControlAsset(path);
   }
-#ifdef OCTETVDB_WITH_GMSH
   return readGmshMesh(path);
-#else
-  throw InputError(path, "",
-                   "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which reads " +
-                       extension + " files");
-#endif
 }
 
 void checkOutput(const std::string& control, const std::string& output) {

@@ -4,14 +4,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include <octet/converters/gmsh/fill_tetrahedra.h>
 #include <octet/converters/surface/fill_surface.h>
 #include <octet/converters/surface/read_surface.h>
 #include <octet/core/base/error.h>
 #include <octet/core/cage/box_cage.h>
 #include <octet/core/cage/sharp_edges.h>
-#ifdef OCTETVDB_WITH_GMSH
-#include <octet/converters/gmsh/fill_tetrahedra.h>
-#endif
 
 #include "commands.h"
 #include "console.h"
@@ -71,7 +69,6 @@ InputError asUserSees(const InputError& e, const std::string& input) {
   return input.empty() ? InputError("--box", e.reason()) : e.inFile(input);
 }
 
-#ifdef OCTETVDB_WITH_GMSH
 Json fillTetrahedra(const Arguments& arguments, ControlMesh* mesh) {
   TetrahedraOptions options;
   options.spacing = arguments.fill.spacing;
@@ -98,13 +95,6 @@ Json fillTetrahedra(const Arguments& arguments, ControlMesh* mesh) {
           {"sharp_length", report.sharpLength},
           {"crease_length", report.creaseLength}};
 }
-#else
-Json fillTetrahedra(const Arguments&, ControlMesh*) {
-  throw InputError("--cells",
-                   "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which "
-                   "makes tetrahedra");
-}
-#endif
 
 Json fillInput(const Arguments& arguments, ControlMesh* mesh) {
   const TriangleSurface surface = readSurface(arguments.input, arguments.read);

@@ -6,10 +6,7 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <octet/converters/gmsh/child_process.h>
 #include <octet/converters/gmsh/fill_tetrahedra.h>
 #include <octet/core/base/error.h>
 #include <octet/core/cage/quality.h>
@@ -223,19 +220,6 @@ TEST(FillWithTetrahedra, IsCancelledAtEveryStage) {
     options.progress = [&](const ProgressReport& report) { return report.stage != stage; };
     EXPECT_THROW(fillWithTetrahedra(ball(1), options), Cancelled) << stage;
   }
-}
-
-TEST(ChildProcess, IsEndedWhenAsked) {
-  using namespace gmsh_import;
-  const auto sleep = []() -> std::string { return ::sleep(60) ? "early" : "late"; };
-  ChildLimits limits;
-  limits.goOn = [] { return false; };
-  EXPECT_TRUE(runInChild(sleep, limits).stopped);
-  limits.goOn = []() -> bool { throw 7; };
-  EXPECT_THROW(runInChild(sleep, limits), int);
-  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
-  limits.goOn = [] { return true; };
-  EXPECT_EQ(runInChild([] { return std::string("done"); }, limits).bytes, "done");
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include <octet/converters/gmsh/child_process.h>
 #include <octet/converters/gmsh/gmsh_import.h>
 #include <octet/core/base/error.h>
+
 #include "tests/support/test_data.h"
 
 namespace octet {
@@ -134,27 +134,6 @@ TEST(Gmsh, SeveralThreadsMayRead) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(good, 4);
-}
-
-TEST(ChildProcess, WhateverItDoesThisOneStays) {
-  using gmsh_import::ChildLimits;
-  using gmsh_import::runInChild;
-  EXPECT_EQ(runInChild([] { return std::string("fine"); }, {}).bytes, "fine");
-  const auto failure = [](const std::function<std::string()>& work, const ChildLimits& limits) {
-    return runInChild(work, limits).failure;
-  };
-  EXPECT_NE(failure([]() -> std::string { std::abort(); }, {}).find("crashed"), std::string::npos);
-  EXPECT_NE(failure([]() -> std::string { std::_Exit(0); }, {}), "");
-  EXPECT_NE(failure([]() -> std::string { throw 1; }, {}), "");
-  ChildLimits shortTime;
-  shortTime.time = std::chrono::milliseconds(100);
-  EXPECT_NE(failure(
-                []() -> std::string {
-                  for (;;) std::this_thread::yield();
-                },
-                shortTime)
-                .find("did not finish"),
-            std::string::npos);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 Arguments: the build tree, the C++ compiler.
 """
+import glob
 import os
 import re
 import shutil
@@ -52,15 +53,27 @@ class Installed(unittest.TestCase):
     def test_consumer_refines_and_bakes(self):
         out = os.path.join(self.folder, "out.vdb")
         mesh = os.path.join(ROOT, "tests", "data", "gmsh", "two_tets_41.msh")
-        lines = run(self.consumer(), os.path.join(ROOT, "samples", "box", "box.octet.json"), out,
-                    mesh).splitlines()
+        # Of a program elsewhere, octetvdb-gmsh is found on the PATH.
+        with_gmsh = os.path.exists(self.path("bin", "octetvdb-gmsh"))
+        lines = run("env", f"PATH={self.path('bin')}:{os.environ['PATH']}", self.consumer(),
+                    os.path.join(ROOT, "samples", "box", "box.octet.json"), out,
+                    *([mesh] if with_gmsh else [])).splitlines()
         version, inside, speed, grids = lines[0].split()
         self.assertEqual(run(self.path("bin", "octetvdb"), "--version"), version + "\n")
         self.assertEqual((inside, grids), ("1", "2"))
         self.assertGreater(float(speed), 1e-3)
         self.assertGreater(vdb.read(out, "velocity").activeVoxelCount(), 1000)
-        if len(lines) > 1:  # with Gmsh
-            self.assertEqual(lines[1], "4")
+        self.assertEqual(lines[1:], ["4"] if with_gmsh else [])
+
+    def test_module_finds_the_gmsh_program_of_its_prefix(self):
+        package, = glob.glob(self.path("lib", "python*", "site-packages"))
+        script = ("import octetvdb\n"
+                  "try: print(len(octetvdb.fill_tetrahedra([[0, 0, 0], [1, 0, 0], [0, 1, 0],"
+                  " [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], 0.5).tetrahedra) > 0)\n"
+                  "except octetvdb.IoError as e: print(e.reason)")
+        with_gmsh = os.path.exists(self.path("bin", "octetvdb-gmsh"))
+        said = run("env", "PATH=/usr/bin:/bin", f"PYTHONPATH={package}", sys.executable, "-c", script)
+        self.assertTrue(said.startswith("True" if with_gmsh else "is not installed"), said)
 
     def test_core_alone_needs_no_openvdb(self):
         # A tetrahedron: 4 and 1, then 4 * 4 + 8 and 4 + 6.
@@ -102,6 +115,8 @@ class Installed(unittest.TestCase):
         self.assertEqual(len(found), 1)
         with open(found[0]) as file:
             self.assertTrue(re.search(r"Apache License\s+Version 2\.0", file.read()))
+        copying = glob.glob(self.path("share", "doc", "*", "COPYING.octetvdb-gmsh"))
+        self.assertEqual(bool(copying), os.path.exists(self.path("bin", "octetvdb-gmsh")))
 
 
 if __name__ == "__main__":

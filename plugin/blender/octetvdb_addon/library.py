@@ -1,7 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Python module octetvdb: the one in the add-on's own folder, else an installed one."""
+import os
+
 from .problems import Problem
 
+
+def _let_run(name):
+    """Blender unpacks add-ons without the permission to run the programs in them."""
+    program = os.path.join(os.path.dirname(__file__), "octetvdb", name)
+    if os.path.exists(program) and not os.access(program, os.X_OK):
+        try:
+            os.chmod(program, 0o755)
+        except OSError:
+            pass  # the library tells of it where it is needed
+
+
+_let_run("octetvdb-gmsh")
 try:
     from . import octetvdb
 except ImportError as bundled:

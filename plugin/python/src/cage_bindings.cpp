@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <octet/converters/gmsh/fill_tetrahedra.h>
 #include <octet/converters/surface/fill_surface.h>
 #include <octet/core/base/error.h>
 #include <octet/core/cage/box_cage.h>
 #include <octet/core/cage/quality.h>
 #include <octet/core/cage/sharp_edges.h>
-#ifdef OCTETVDB_WITH_GMSH
-#include <octet/converters/gmsh/fill_tetrahedra.h>
-#endif
 
 #include "arrays.h"
 #include "bindings.h"
@@ -57,7 +55,6 @@ std::shared_ptr<ControlMesh> makeTetrahedra(const py::object& vertices, const py
                                             double spacing, double sharpAngle, bool keepTriangles,
                                             const py::object& progress) {
   const TriangleSurface surface = surfaceFrom(vertices, triangles);
-#ifdef OCTETVDB_WITH_GMSH
   TetrahedraOptions options;
   options.spacing = spacing;
   options.sharpAngle = sharpAngle;
@@ -65,12 +62,6 @@ std::shared_ptr<ControlMesh> makeTetrahedra(const py::object& vertices, const py
   options.progress = progressCallback(progress);
   return withoutGil(
       [&] { return std::make_shared<ControlMesh>(fillWithTetrahedra(surface, options)); });
-#else
-  (void)spacing, (void)sharpAngle, (void)keepTriangles, (void)progress;
-  throw InputError("",
-                   "this octetvdb was built without Gmsh (OCTETVDB_WITH_GMSH), which makes "
-                   "tetrahedra");
-#endif
 }
 
 CageQuality qualityOf(const ControlMesh& mesh) {
@@ -107,7 +98,7 @@ Releases the GIL. Raises InputError: not closed, intersecting itself, too thin f
   module.def("fill_tetrahedra", &makeTetrahedra, py::arg("vertices"), py::arg("triangles"),
              py::arg("spacing"), py::kw_only(), py::arg("sharp_angle") = kSharpAngle,
              py::arg("keep_triangles") = false, py::arg("progress") = py::none(),
-             R"(A closed surface filled with tetrahedra by Gmsh, which runs in a process of its own.
+             R"(A closed surface filled with tetrahedra by the program octetvdb-gmsh.
 
 vertices:  float (n, 3), world units
 triangles: int (n, 3), in any orientation
@@ -119,7 +110,7 @@ progress:  called as progress(stage, done, total, unit); returning False raises 
 The boundary lies on the surface and follows its sharp edges. A part of the surface within another
 is a cavity.
 Releases the GIL. Raises InputError: not closed, intersecting or touching itself, too thin for the
-spacing, what Gmsh cannot mesh, and where the library was built without Gmsh.)");
+spacing, what Gmsh cannot mesh. IoError where octetvdb-gmsh is not installed.)");
   py::class_<CageQuality>(module, "CageQuality", py::module_local(),
                           "How well a control mesh is shaped.")
       .def_readonly("min_dihedral", &CageQuality::minDihedral,

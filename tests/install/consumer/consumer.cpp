@@ -5,12 +5,10 @@
 #include <iostream>
 
 #include <octet/converters/control_asset/control_asset.h>
+#include <octet/converters/gmsh/gmsh_import.h>
 #include <octet/converters/vdb/bake.h>
 #include <octet/core/field/field.h>
 #include <octet/version.h>
-#ifdef WITH_GMSH
-#include <octet/converters/gmsh/gmsh_import.h>
-#endif
 
 int main(int argc, char** argv) {
   try {
@@ -29,11 +27,7 @@ int main(int argc, char** argv) {
     const octet::BakeReport report = octet::bake(asset, options, argv[2]);
     std::cout << octet::kVersion << " " << inside << " " << velocity.norm() << " "
               << report.files.at(0).grids.size() << "\n";
-#ifdef WITH_GMSH
     if (argc > 3) std::cout << octet::readGmshMesh(argv[3]).forms.size() << "\n";
-#else
-    (void)argc;
-#endif
   } catch (const std::exception& e) {
     std::cerr << e.what() << "\n";
     return 1;

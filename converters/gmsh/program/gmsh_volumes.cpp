@@ -3,6 +3,8 @@
 
 #include <new>
 
+#include <octet/core/base/error.h>
+
 #include "gmsh_api.h"
 
 namespace octet::gmsh_import {
@@ -27,7 +29,7 @@ void setOptions(double edgeLength, GmshApi* gmsh) {
   gmsh->setOption("Mesh.OptimizeThreshold", kOptimizeBelow);
 }
 
-/// All of the mesh that is made; throws std::string.
+/// All of the mesh that is made.
 GmshMesh make(const GmshShells& in, GmshApi* gmsh) {
   gmsh->initialize();
   setOptions(in.edgeLength, gmsh);
@@ -49,7 +51,8 @@ GmshMesh make(const GmshShells& in, GmshApi* gmsh) {
   mesh.coordinates = nodes.coordinates;
   const GmshApi::Elements elements = gmsh->elements(3, -1);
   for (std::size_t k = 0; k < elements.types.size(); ++k) {
-    if (elements.types[k] != kTetrahedron) throw std::string("it made other cells than tetrahedra");
+    if (elements.types[k] != kTetrahedron)
+      throw Error("", "", "it made other cells than tetrahedra");
     ElementBlock& block = mesh.blocks.emplace_back();
     block.type = kTetrahedron;
     block.dimension = 3;
@@ -63,16 +66,19 @@ GmshMesh make(const GmshShells& in, GmshApi* gmsh) {
 }  // namespace
 
 GmshMesh meshVolumes(const GmshShells& shells) {
-  GmshMesh failed;
+  const auto cannot = [](const std::string& why) {
+    return InputError("", "Gmsh cannot mesh it: " + why);
+  };
   try {
     GmshApi gmsh;
     return make(shells, &gmsh);
-  } catch (const std::string& e) {  // Gmsh's own
-    failed.error = e.empty() ? "it gives no reason" : e;
+  } catch (const IoError&) {  // the library's, not Gmsh's
+    throw;
+  } catch (const Error& e) {
+    throw cannot(e.reason().empty() ? "it gives no reason" : e.reason());
   } catch (const std::bad_alloc&) {
-    failed.error = "there is not enough memory";
+    throw cannot("there is not enough memory");
   }
-  return failed;
 }
 
 }  // namespace octet::gmsh_import

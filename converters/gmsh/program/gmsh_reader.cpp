@@ -2,7 +2,8 @@
 #include "gmsh_reader.h"
 
 #include <new>
-#include <optional>
+
+#include <octet/core/base/error.h>
 
 #include "gmsh_api.h"
 
@@ -66,15 +67,17 @@ std::vector<View> readViews(GmshApi* gmsh) {
   return views;
 }
 
-/// All of the mesh that `mesh` holds; throws std::string.
-void read(const std::string& path, GmshApi* gmsh, GmshMesh* mesh) {
+/// All of the mesh that GmshMesh holds, but for the messages.
+GmshMesh read(const std::string& path, GmshApi* gmsh) {
+  GmshMesh mesh;
   gmsh->merge(path);
   const GmshApi::Nodes nodes = gmsh->nodes();
-  mesh->nodeTags.assign(nodes.tags.begin(), nodes.tags.end());
-  mesh->coordinates = nodes.coordinates;
-  mesh->blocks = readElements(gmsh, -1, -1);
-  mesh->groups = readGroups(gmsh);
-  mesh->views = readViews(gmsh);
+  mesh.nodeTags.assign(nodes.tags.begin(), nodes.tags.end());
+  mesh.coordinates = nodes.coordinates;
+  mesh.blocks = readElements(gmsh, -1, -1);
+  mesh.groups = readGroups(gmsh);
+  mesh.views = readViews(gmsh);
+  return mesh;
 }
 
 /// Gmsh's reason, or its last warning where the reason says only that the file cannot be read.
@@ -92,26 +95,21 @@ std::string reason(const std::string& error, const std::string& path,
 }  // namespace
 
 GmshMesh readWithGmsh(const std::string& path) {
-  GmshMesh mesh;
-  std::optional<GmshApi> gmsh;
+  GmshApi gmsh;
+  gmsh.initialize();
+  std::string error;
   try {
-    gmsh.emplace();
-    gmsh->initialize();
-  } catch (const std::string& e) {
-    mesh.error = e;
-    return mesh;
-  }
-  std::optional<std::string> error;
-  try {
-    read(path, &*gmsh, &mesh);
-  } catch (const std::string& e) {  // Gmsh's own
-    error = e;
+    GmshMesh mesh = read(path, &gmsh);
+    mesh.messages = gmsh.messages();
+    return mesh;  // no gmshFinalize: the process ends here, and the model may be damaged
+  } catch (const IoError&) {  // the library's, not Gmsh's
+    throw;
+  } catch (const Error& e) {
+    error = e.reason();
   } catch (const std::bad_alloc&) {
     error = "it asks for more memory than a file of its size needs";
   }
-  mesh.messages = gmsh->messages();
-  if (error) mesh.error = reason(*error, path, mesh.messages);
-  return mesh;  // no gmshFinalize: the process ends here, and the model may be damaged
+  throw InputError("", reason(error, path, gmsh.messages()));
 }
 
 }  // namespace octet::gmsh_import

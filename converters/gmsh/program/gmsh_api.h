@@ -11,10 +11,11 @@ namespace octet::gmsh_import {
 ///
 /// The library is loaded here, and not linked, because it brings some 80 others along (OpenCASCADE,
 /// X11): starting a program linked to it takes 0.15 s, six times as long as without.
-/// Every function throws Gmsh's message as std::string when Gmsh reports an error. Not thread safe.
+/// Every function throws Gmsh's message as the reason of an Error when Gmsh reports one. Not thread
+/// safe.
 class GmshApi {
  public:
-  /// @throws std::string when the library cannot be loaded.
+  /// @throws IoError when the library cannot be loaded.
   GmshApi();
 
   /// Without the user's settings, silent, and with a record of messages.

@@ -3,8 +3,10 @@
 
 #include <type_traits>
 
-#include <dlfcn.h>
 #include <gmshc.h>
+
+#include <octet/core/base/error.h>
+#include <octet/core/base/system.h>
 
 namespace octet::gmsh_import {
 namespace {
@@ -46,17 +48,17 @@ std::string take(const char* text) { return text ? text : ""; }
 
 template <typename Function, typename... Arguments>
 auto GmshApi::call(const char* name, Arguments... arguments) {
-  const auto function = reinterpret_cast<Function*>(::dlsym(library_, name));
-  if (!function) throw std::string("the Gmsh library has no function ") + name;
+  const auto function = reinterpret_cast<Function*>(system::functionOf(library_, name));
+  if (!function) throw IoError("the Gmsh library", std::string("has no function ") + name);
   int error = 0;
   const auto check = [&] {
     if (error == 0) return;
     const auto lastError = reinterpret_cast<decltype(gmshLoggerGetLastError)*>(
-        ::dlsym(library_, "gmshLoggerGetLastError"));
+        system::functionOf(library_, "gmshLoggerGetLastError"));
     char* reason = nullptr;
     int ignored = 0;
     if (lastError) lastError(&reason, &ignored);
-    throw take(reason);
+    throw Error("", "", take(reason));
   };
   using Result = std::invoke_result_t<Function*, Arguments..., int*>;
   if constexpr (std::is_void_v<Result>) {
@@ -71,10 +73,10 @@ auto GmshApi::call(const char* name, Arguments... arguments) {
 
 GmshApi::GmshApi() {
   for (const char* name : {OCTET_GMSH_LIBRARY, OCTET_GMSH_LIBRARY_NAME, "libgmsh.so"}) {
-    library_ = ::dlopen(name, RTLD_LAZY | RTLD_LOCAL);
+    library_ = system::loadLibrary(name);
     if (library_) return;
   }
-  throw std::string("the Gmsh library cannot be loaded: ") + ::dlerror();
+  throw IoError("the Gmsh library", "cannot be loaded: " + system::loadError());
 }
 
 void GmshApi::initialize() {
