@@ -11,7 +11,7 @@
 
 namespace octet {
 
-/// @brief What irregular stars add to D2 L2 when a level is split: H2 of core/SCHEME.md sections 6b
+/// @brief What irregular stars add to D2 L2 when a level is split: H2 of SCHEME.md sections 6b
 /// and 6c, a sparse matrix from coarse facets to fine edges. Stored as the stars' own edges and
 /// facets under shared patterns, so that a star costs some 350 bytes. Every fine edge belongs to
 /// one star at most. Thread safe.

@@ -9,7 +9,7 @@
 
 namespace octet {
 
-/// What a vertex' star is to the rules for irregular stars (core/SCHEME.md section 6b).
+/// What a vertex' star is to the rules for irregular stars (SCHEME.md section 6b).
 enum class StarKind : std::uint8_t {
   Plain,  ///< no irregular edge: R or X1
   Line,   ///< X2: two irregular edges, and a reflection that exchanges them

@@ -10,7 +10,7 @@
 namespace octet {
 
 /// One entry of a sparse matrix H from coarse edges to fine vertices, which the rules for irregular
-/// stars add to D1 L1: a 0-form refines by S0 - H d0 (core/SCHEME.md section 6b).
+/// stars add to D1 L1: a 0-form refines by S0 - H d0 (SCHEME.md section 6b).
 struct VertexMove {
   Index fineVertex;
   Index coarseEdge;

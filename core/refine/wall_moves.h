@@ -9,7 +9,7 @@
 namespace octet {
 
 /// @brief Lists the rows that the smooth wall adds to D1 L1 when a level that is not the control
-/// mesh is split (core/SCHEME.md section 8b): a 0-form refines by S0 - H d0, H the matrix of these
+/// mesh is split (SCHEME.md section 8b): a 0-form refines by S0 - H d0, H the matrix of these
 /// entries. Entries of a row follow each other, rows ascend.
 ///
 /// Depends on topology, creases and corners alone. Each star's rule is solved once per process.

@@ -7,7 +7,7 @@
 #include "star.h"
 
 /// @file
-/// Moves of positions in the stars of irregular vertices inside (core/SCHEME.md section 6b). The
+/// Moves of positions in the stars of irregular vertices inside (SCHEME.md section 6b). The
 /// child in the place of label a moves by sum_q weights(a, q) (q - m), so that the star shrinks by
 /// 1/2 per level in all three directions, as the rules for fluxes suppose.
 

@@ -33,7 +33,7 @@ std::vector<int> cellsAtEdge(const Star& star, int label);
 /// Is there an edge from m to the label?
 bool adjacentToCentre(const Star& star, int label);
 
-/// @brief Computes the matrix of a star by the rule for 0-forms inside (core/SCHEME.md section 6):
+/// @brief Computes the matrix of a star by the rule for 0-forms inside (SCHEME.md section 6):
 /// row a is the child in the place of label a (m itself; the midpoint of (m,a); the centre of the
 /// octahedron in which a is opposite m) as a combination of the star's vertices. Only rows from
 /// label `first` on are filled.

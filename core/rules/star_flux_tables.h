@@ -5,7 +5,7 @@
 
 /// @file
 /// Weights of the flux rules at irregular stars, in millionths: six decimals are the rule
-/// (core/SCHEME.md sections 6b and 6c). A row adds to D2 L2 of the fine edge in the place of a star
+/// (SCHEME.md sections 6b and 6c). A row adds to D2 L2 of the fine edge in the place of a star
 /// edge (p q) the weight times the flux through coarse facet (x y z), both in the given order; it
 /// stands for all its distinct images under the star's symmetries.
 

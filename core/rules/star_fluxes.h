@@ -7,7 +7,7 @@
 
 /// @file
 /// The flux rules at irregular stars as small matrices over labels, all images of the tables' rows
-/// under the stars' symmetries (core/SCHEME.md sections 6b and 6c).
+/// under the stars' symmetries (SCHEME.md sections 6b and 6c).
 
 namespace octet {
 

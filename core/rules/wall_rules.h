@@ -6,7 +6,7 @@
 #include "star.h"
 
 /// @file
-/// The smooth wall: rules for positions in the stars of boundary vertices (core/SCHEME.md section
+/// The smooth wall: rules for positions in the stars of boundary vertices (SCHEME.md section
 /// 8b), which put the leading eigenvalues of a star's matrix at 1/2 and hold the others down, so
 /// that neither the wall's curvature nor the flux beside it grows from level to level.
 ///

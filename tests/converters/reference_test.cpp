@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refinement agrees entry by entry with an implementation of core/SCHEME.md independent of this
+// Refinement agrees entry by entry with an implementation of SCHEME.md independent of this
 // one. The data were written by it: control assets with random coefficients of all degrees
 // (*.octet), and per number of levels and boundary mode the refined positions and values (every
 // `stride`-th of them) and FNV-1a checksums of the fine edges, facets, tetrahedra and octahedra.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The smooth wall rule of core/SCHEME.md section 8b once more: slow, by names and sets instead of
+"""The smooth wall rule of SCHEME.md section 8b once more: slow, by names and sets instead of
 numbering, to check the library against. numpy only.
 
 A fine vertex is named by what it comes from: ("v", i) stays, ("e", frozenset of two) is a midpoint,
