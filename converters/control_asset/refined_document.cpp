@@ -2,7 +2,7 @@
 #include "refined_document.h"
 
 #include <octet/core/base/error.h>
-#include <octet/core/boundary_methods/extension.h>
+#include <octet/core/forms/with_degree.h>
 
 #include "document.h"
 
@@ -19,22 +19,6 @@ BoundaryMode modeOf(const ControlAsset& asset, const Form& form) {
     if (mode == BoundaryMode::Open) return mode;
   }
   return BoundaryMode::Walls;
-}
-
-/// `refine(form of degree K)` for the degree that the form has.
-template <typename Refine>
-Array<double> byDegree(const ControlAsset& asset, const Form& form, int frame,
-                       const Refine& refine) {
-  switch (form.degree) {
-    case 0:
-      return refine(coefficients<0>(asset, form, frame)).values();
-    case 1:
-      return refine(coefficients<1>(asset, form, frame)).values();
-    case 2:
-      return refine(coefficients<2>(asset, form, frame)).values();
-    default:
-      return refine(coefficients<3>(asset, form, frame)).values();
-  }
 }
 
 /// Writes lists a block of entries at a time, with reports in between.
@@ -83,11 +67,20 @@ std::size_t entryCount(const ControlAsset& asset, const Complex& c) {
   return count;
 }
 
-/// `valuesOf(form)` are dense coefficients on the finest level, `complex`.
-template <typename Values>
-void writeDocument(const ControlAsset& asset, const Complex& complex, const Array<Vec3>& positions,
-                   const std::string& note, const Values& valuesOf, const std::string& path,
-                   const ProgressCallback& progress) {
+}  // namespace
+
+BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form,
+                          const BoundaryChoice& choice) {
+  if (choice.mode) return *choice.mode;
+  if (form.degree == 1) return modeOf<1>(asset, form);
+  if (form.degree == 2) return modeOf<2>(asset, form);
+  return BoundaryMode::Walls;
+}
+
+void writeRefinedDocument(const ControlAsset& asset, const RefinedForms& refined,
+                          const std::string& path, const ProgressCallback& progress) {
+  const Complex& complex = refined.complex;
+  const std::string& note = refined.note;
   ReportingWriter writer(path, entryCount(asset, complex), progress);
   DocumentWriter& out = writer.out;
   out.beginObject(note.empty() ? 6 : 7);
@@ -95,7 +88,7 @@ void writeDocument(const ControlAsset& asset, const Complex& complex, const Arra
     out.key("note");
     out.value(note);
   }
-  writer.table("vertices", positions);
+  writer.table("vertices", refined.positions);
   writer.table("edges", complex.edges);
   writer.array("facets", static_cast<std::size_t>(complex.facetCount()),
                [&](std::size_t f) { out.row(complex.facetVertices(static_cast<Index>(f))); });
@@ -108,7 +101,7 @@ void writeDocument(const ControlAsset& asset, const Complex& complex, const Arra
     out.beginObject(2);
     out.key("degree");
     out.value(static_cast<std::int64_t>(form.degree));
-    const Array<double> values = valuesOf(form);
+    const Array<double> values = refined.values(form);
     writer.array("values", values.size(), [&](std::size_t k) { out.value(values[k]); });
     out.endObject();
   }
@@ -117,86 +110,20 @@ void writeDocument(const ControlAsset& asset, const Complex& complex, const Arra
   writer.finish();
 }
 
-}  // namespace
-
-BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryChoice choice) {
-  if (choice != BoundaryChoice::Auto) {
-    return choice == BoundaryChoice::Walls ? BoundaryMode::Walls : BoundaryMode::Open;
-  }
-  switch (form.degree) {
-    case 1:
-      return modeOf<1>(asset, form);
-    case 2:
-      return modeOf<2>(asset, form);
-    default:
-      return BoundaryMode::Walls;
-  }
-}
-
-std::optional<BoundaryMethod> boundaryMethod(BoundaryChoice choice) {
-  switch (choice) {
-    case BoundaryChoice::Simple:
-      return BoundaryMethod::Simple;
-    case BoundaryChoice::Projection:
-      return BoundaryMethod::Projection;
-    case BoundaryChoice::Expansion:
-      return BoundaryMethod::Expansion;
-    default:
-      return std::nullopt;
-  }
-}
-
-const char* boundaryName(BoundaryChoice choice) {
-  constexpr const char* kNames[] = {"auto", "walls", "open", "simple", "projection", "expansion"};
-  return kNames[static_cast<int>(choice)];
-}
-
-std::string methodNote(const MethodRefiner& refiner) {
-  if (refiner.commutes()) return "";
-  switch (refiner.method()) {
-    case BoundaryMethod::Simple:
-      return "simple: coefficients on the boundary are 0, so there is divergence and curl that the "
-             "form does not have";
-    case BoundaryMethod::Projection:
-      return "projection: coefficients at the boundary are fitted, so there is divergence and curl "
-             "that the form does not have";
-    default:
-      return "expansion: its virtual layer fills a gap in the mesh, and around it there is "
-             "divergence and curl that the form does not have";
-  }
-}
-
-void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
-                          int frame, const std::string& path, const ProgressCallback& progress) {
+void writeRefinedDocument(const ControlAsset& asset, const Subdivision& subdivision,
+                          const BoundaryChoice& boundary, int frame, const std::string& path,
+                          const ProgressCallback& progress) {
   const auto values = [&](const Form& form) {
-    const BoundaryMode mode = boundaryMode(asset, form, choice);
-    return byDegree(asset, form, frame,
-                    [&](auto coarse) { return refiner.refine(std::move(coarse), mode); });
+    const BoundaryMode mode = boundaryMode(asset, form, boundary);
+    return withDegree(form.degree, [&](auto degree) {
+      return subdivision.refine(coefficients<decltype(degree)::value>(asset, form, frame), mode)
+          .values();
+    });
   };
-  writeDocument(asset, refiner.finest(), refiner.positions(refiner.levels()), "", values, path,
-                progress);
-}
-
-void writeRefinedDocument(const ControlAsset& asset, const MethodRefiner& refiner, int frame,
-                          const std::string& path, const ProgressCallback& progress) {
-  const auto values = [&](const Form& form) {
-    return byDegree(asset, form, frame, [&](const auto& coarse) { return refiner.refine(coarse); });
-  };
-  const int finest = refiner.levels();
-  writeDocument(asset, refiner.complex(finest), refiner.positions(finest), methodNote(refiner),
-                values, path, progress);
-}
-
-void writeExpandedDocument(const ControlAsset& asset, int frame, const std::string& path,
-                           const ProgressCallback& progress) {
-  const VirtualLayer layer(asset.mesh);
-  const ControlMesh expanded = ControlMesh::build(layer.expanded);
-  const Extension extension(asset.mesh, layer, expanded);
-  const auto values = [&](const Form& form) {
-    return byDegree(asset, form, frame,
-                    [&](const auto& coarse) { return extension.apply(coarse); });
-  };
-  writeDocument(asset, *expanded.complex(), expanded.positions(), "", values, path, progress);
+  writeRefinedDocument(asset,
+                       {*subdivision.finest(), subdivision.positions(subdivision.levels()), values,
+                        subdivision.note()},
+                       path, progress);
 }
 
 }  // namespace octet

@@ -1,45 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
-#include <octet/core/boundary_methods/method_refiner.h>
-#include <octet/core/refine/refiner.h>
+#include <octet/core/field/scheme_subdivision.h>
 
 #include "control_asset.h"
 
 namespace octet {
 
-/// How an asset's forms meet the boundary: as each form says (automaticMode), or all alike; the
-/// last three are the thesis' methods.
-enum class BoundaryChoice : std::uint8_t { Auto, Walls, Open, Simple, Projection, Expansion };
+/// By which rule an asset's forms are subdivided, and how they meet the boundary.
+struct BoundaryChoice {
+  std::string name = "auto";           ///< what users know it by
+  std::optional<BoundaryMode> mode{};  ///< of all forms alike; absent: as each says (automaticMode)
+  Subdivide subdivide = subdivideByScheme;
+};
 
-/// The thesis' method that a choice stands for, if it does: then MethodRefiner takes the place of
-/// Refiner.
-std::optional<BoundaryMethod> boundaryMethod(BoundaryChoice choice);
-/// The name that commands and files know a choice by.
-const char* boundaryName(BoundaryChoice choice);
+/// The boundary mode for one form; of an animated form, one for all frames.
+BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form,
+                          const BoundaryChoice& choice);
 
-/// The mode for one form; of an animated form, one mode for all frames.
-BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form, BoundaryChoice choice);
+/// A mesh and forms on it, to be written as a document.
+struct RefinedForms {
+  const Complex& complex;
+  const Array<Vec3>& positions;                           ///< of vertices, world units
+  std::function<Array<double>(const Form& form)> values;  ///< dense coefficients on `complex`
+  std::string note{};  ///< what is to be said of them, if anything
+};
 
-/// What one of the thesis' methods does not keep on the mesh that it was made for; empty when it
-/// keeps all that it claims.
-std::string methodNote(const MethodRefiner& refiner);
-
-/// Writes the finest complex of a refiner and the asset's forms on it: vertices, edges, facets,
-/// tetrahedra, octahedra, and for each form its degree and dense values (of frame `frame`).
-/// @throws IoError, Cancelled
-void writeRefinedDocument(const ControlAsset& asset, const Refiner& refiner, BoundaryChoice choice,
-                          int frame, const std::string& path,
-                          const ProgressCallback& progress = {});
-/// The same by one of the thesis' boundary methods; `note` says what it does not keep, if anything.
-void writeRefinedDocument(const ControlAsset& asset, const MethodRefiner& refiner, int frame,
+/// Writes vertices, edges, facets, tetrahedra, octahedra, and for each of the asset's forms its
+/// degree and dense values. @throws IoError, Cancelled
+void writeRefinedDocument(const ControlAsset& asset, const RefinedForms& refined,
                           const std::string& path, const ProgressCallback& progress = {});
-/// The control mesh with the virtual layer of the expansion method around it, and the forms
-/// continued to it (extension.h). Vertices and cells of the mesh itself come first, each kind.
-void writeExpandedDocument(const ControlAsset& asset, int frame, const std::string& path,
-                           const ProgressCallback& progress = {});
+
+/// Writes the finest level of a subdivision of the asset's mesh, with the asset's forms on it.
+/// @param frame  of animated forms
+/// @throws IoError, Cancelled
+void writeRefinedDocument(const ControlAsset& asset, const Subdivision& subdivision,
+                          const BoundaryChoice& boundary, int frame, const std::string& path,
+                          const ProgressCallback& progress = {});
 
 }  // namespace octet

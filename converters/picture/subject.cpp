@@ -6,7 +6,6 @@
 
 #include <octet/core/topology/mean_edge.h>
 
-#include "../control_asset/refinement.h"
 #include "../vdb/vdb_sampler.h"
 
 namespace octet {
@@ -54,11 +53,10 @@ const Form* chooseForm(const ControlAsset& asset, const std::string& name) {
 }
 
 template <int K>
-void setField(const ControlAsset& asset, const Form& form, const Refinement& refinement,
+void setField(const ControlAsset& asset, const Form& form, const Subdivision& subdivision,
               const AssetSubjectOptions& options, Subject* subject) {
-  const auto field =
-      refinement.field(coefficients<K>(asset, form, options.frame),
-                       boundaryMode(asset, form, options.boundary), options.reconstruction);
+  const auto field = makeField(subdivision, coefficients<K>(asset, form, options.frame),
+                               boundaryMode(asset, form, options.boundary), options.reconstruction);
   subject->components = kComponents<K>;
   subject->sample = [field](const Vec3& point, double* value) {
     typename Piece<kComponents<K>>::Value v;
@@ -70,7 +68,7 @@ void setField(const ControlAsset& asset, const Form& form, const Refinement& ref
 
 /// Edge e of a level as a polyline of the finest level's vertices: halves of edge e are 2e and
 /// 2e + 1 on the next level, in order (SCHEME.md section 3).
-SubjectShape::Polyline refinedEdge(const Refinement& refiner, int level, Index edge,
+SubjectShape::Polyline refinedEdge(const Subdivision& refiner, int level, Index edge,
                                    const Array<Vec3>& positions) {
   const int steps = refiner.levels() - level;
   const Complex& finest = *refiner.finest();
@@ -80,7 +78,7 @@ SubjectShape::Polyline refinedEdge(const Refinement& refiner, int level, Index e
   return line;
 }
 
-SubjectShape assetShape(const ControlAsset& asset, const Refinement& refiner,
+SubjectShape assetShape(const ControlAsset& asset, const Subdivision& refiner,
                         const Array<Vec3>& positions, int meshLevel) {
   SubjectShape shape;
   const Complex& control = *asset.mesh.complex();
@@ -120,7 +118,8 @@ Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& optio
   refinement.levels = chooseLevels(*asset.mesh.complex(), options.levels);
   refinement.zeta = options.zeta;
   refinement.progress = options.progress;
-  const Refinement refiner(asset.mesh, options.boundary, refinement);
+  const auto subdivision = options.boundary.subdivide(asset.mesh, refinement);
+  const Subdivision& refiner = *subdivision;
   const Array<Vec3>& positions = options.reconstruction == Reconstruction::Limit
                                      ? refiner.limitPositions()
                                      : refiner.positions(refiner.levels());

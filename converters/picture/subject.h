@@ -48,7 +48,7 @@ struct AssetSubjectOptions {
   int frame = 0;              ///< of an animated form
   std::optional<int> levels;  ///< subdivisions; absent: as many as stay below 100,000 cells
   int meshLevel = 1;          ///< level whose boundary edges are the mesh; at most `levels`
-  BoundaryChoice boundary = BoundaryChoice::Auto;
+  BoundaryChoice boundary{};
   Reconstruction reconstruction = Reconstruction::Limit;
   double zeta = kDefaultZeta;
   ProgressCallback progress{};

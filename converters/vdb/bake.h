@@ -24,7 +24,7 @@ struct BakeOptions {
   double voxelSize = 0;            ///< world units; or
   int resolution = 0;              ///< voxels along the domain's longest side
   std::optional<int> levels;       ///< subdivisions; absent: until the mean edge is <= 2 voxels
-  BoundaryChoice boundary = BoundaryChoice::Auto;
+  BoundaryChoice boundary{};
   Sampling sampling = Sampling::Collocated;
   Reconstruction reconstruction = Reconstruction::Limit;
   std::string target = "openvdb";

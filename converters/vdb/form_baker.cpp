@@ -34,7 +34,7 @@ FormBaker::FormBaker(const ControlAsset& asset, const BakeOptions& options, cons
   refinerOptions.levels = grid.levels;
   refinerOptions.zeta = options.zeta;
   refinerOptions.progress = options.progress;
-  refinement_ = std::make_unique<Refinement>(asset.mesh, options.boundary, refinerOptions);
+  refinement_ = options.boundary.subdivide(asset.mesh, refinerOptions);
   voxelsPerEdge_ = grid.voxelSize / finestEdge();
   checkMethod();
 }
@@ -107,8 +107,7 @@ Cochain<K + 1> FormBaker::derivative(const Form& form, int frame) const {
 /// One mode for all frames, as the derivative's own boundary says.
 template <int K>
 BoundaryMode FormBaker::derivativeMode(const Form& form) const {
-  if (options_.boundary == BoundaryChoice::Open) return BoundaryMode::Open;
-  if (options_.boundary != BoundaryChoice::Auto) return BoundaryMode::Walls;
+  if (options_.boundary.mode) return *options_.boundary.mode;
   std::vector<int> frames = {0};
   if (form.animated()) frames.clear();
   for (const auto& [number, values] : form.frames) frames.push_back(number);
@@ -140,7 +139,7 @@ VdbGridInfo FormBaker::addFlux(Job job, const Cochain<2>& control, const Cochain
 VdbGridInfo FormBaker::addCirculations(const Job& job, const Cochain<1>& potential,
                                        const Cochain<2>& control) const {
   const Array<Vec3> vectors = turn_(refinement_->limitVectors(control, job.mode));
-  const bool walls = job.mode == BoundaryMode::Walls && !boundaryMethod(options_.boundary);
+  const bool walls = job.mode == BoundaryMode::Walls && refinement_->boundaryRule().empty();
   PotentialField field(refinement_->finest(), turn_(refinement_->positions(grid_.levels)),
                        refinement_->refine(potential, job.mode), vectors, walls);
   if (options_.sampling == Sampling::Staggered) {
@@ -204,7 +203,7 @@ void FormBaker::refuseSamples(const Job& job) const {
 
 template <int K>
 VdbGridInfo FormBaker::addSamples(const Job& job, const Cochain<K>& control) const {
-  const auto field = refinement_->field(control, job.mode, options_.reconstruction);
+  const auto field = makeField(*refinement_, control, job.mode, options_.reconstruction);
   return job.file->add(turnedField(field, refinement_->finest(), turn_), gridSpec<K>(job),
                        options_.progress);
 }
@@ -251,15 +250,14 @@ VdbGridSpec FormBaker::gridSpec(const Job& job) const {
     if (spec.sampling == Sampling::Staggered) spec.gridClass = Class::Staggered;
   }
   if (K == 3 || target_.fogClass) spec.gridClass = Class::Fog;
-  const char* const boundary = boundaryMethod(options_.boundary) ? boundaryName(options_.boundary)
-                               : job.mode == BoundaryMode::Walls ? "walls"
-                                                                 : "open";
+  const std::string rule = refinement_->boundaryRule();
+  const char* const mode = job.mode == BoundaryMode::Walls ? "walls" : "open";
   spec.metadata = {{"octet_form", job.form.name},
                    {"octet_degree", static_cast<std::int32_t>(K)},
                    {"octet_derivative", static_cast<std::int32_t>(options_.derivative)},
                    {"octet_unit", job.form.unit},
                    {"octet_levels", static_cast<std::int32_t>(grid_.levels)},
-                   {"octet_boundary", std::string(boundary)},
+                   {"octet_boundary", rule.empty() ? mode : rule},
                    {"octet_reconstruction", std::string(limitFields() ? "limit" : "whitney")}};
   return spec;
 }

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "../control_asset/refinement.h"
 #include "bake.h"
 #include "grid_choice.h"
 #include "turned_field.h"
@@ -78,7 +77,7 @@ class FormBaker {
   const GridChoice grid_;
   const AxisTurn turn_;
   VelocityPlanner planner_;
-  std::unique_ptr<Refinement> refinement_;
+  std::unique_ptr<const Subdivision> refinement_;
   double voxelsPerEdge_ = 0;  // mean fine edge
 };
 

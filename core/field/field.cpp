@@ -88,9 +88,31 @@ Field<kComponents<K>> makeField(const Refiner& refiner, const Limit& limit, Coch
   return Field<C>(std::make_shared<VertexField<C>>(complex, limit.positions(), std::move(values)));
 }
 
+template <int K>
+Field<kComponents<K>> makeField(const Subdivision& subdivision, const Cochain<K>& control,
+                                BoundaryMode mode, Reconstruction reconstruction) {
+  constexpr int C = kComponents<K>;
+  const auto complex = subdivision.finest();
+  if (reconstruction == Reconstruction::Whitney || !subdivision.hasLimits()) {
+    return Field<C>(
+        std::make_shared<Whitney<K>>(complex, subdivision.positions(subdivision.levels()),
+                                     subdivision.refine(control, mode), subdivision.zeta()));
+  }
+  Array<typename Piece<C>::Value> values;
+  if constexpr (K == 0) values = asComponents(subdivision.limitValues(control, mode));
+  if constexpr (K == 1 || K == 2) values = subdivision.limitVectors(control, mode);
+  if constexpr (K == 3) values = asComponents(subdivision.limitDensities(control, mode));
+  return Field<C>(
+      std::make_shared<VertexField<C>>(complex, subdivision.limitPositions(), std::move(values)));
+}
+
 template Field<1> makeField(const Refiner&, const Limit&, Cochain<0>, BoundaryMode, Reconstruction);
 template Field<3> makeField(const Refiner&, const Limit&, Cochain<1>, BoundaryMode, Reconstruction);
 template Field<3> makeField(const Refiner&, const Limit&, Cochain<2>, BoundaryMode, Reconstruction);
 template Field<1> makeField(const Refiner&, const Limit&, Cochain<3>, BoundaryMode, Reconstruction);
+template Field<1> makeField(const Subdivision&, const Cochain<0>&, BoundaryMode, Reconstruction);
+template Field<3> makeField(const Subdivision&, const Cochain<1>&, BoundaryMode, Reconstruction);
+template Field<3> makeField(const Subdivision&, const Cochain<2>&, BoundaryMode, Reconstruction);
+template Field<1> makeField(const Subdivision&, const Cochain<3>&, BoundaryMode, Reconstruction);
 
 }  // namespace octet

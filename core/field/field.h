@@ -5,6 +5,7 @@
 
 #include "limit.h"
 #include "piece_source.h"
+#include "scheme_subdivision.h"
 
 namespace octet {
 
@@ -53,6 +54,13 @@ using VectorField = Field<3>;
 ///               finest level's own positions.
 template <int K>
 Field<kComponents<K>> makeField(const Refiner& refiner, const Limit& limit, Cochain<K> form,
+                                BoundaryMode mode,
+                                Reconstruction reconstruction = Reconstruction::Limit);
+
+/// The field of a form's coefficients on the control mesh. A rule without limits is rebuilt by
+/// Whitney forms, whatever is asked for.
+template <int K>
+Field<kComponents<K>> makeField(const Subdivision& subdivision, const Cochain<K>& control,
                                 BoundaryMode mode,
                                 Reconstruction reconstruction = Reconstruction::Limit);
 

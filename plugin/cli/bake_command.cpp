@@ -10,6 +10,7 @@
 #include <octet/converters/vdb/bake.h>
 #include <octet/core/base/error.h>
 
+#include "../boundary_choices.h"
 #include "certificate_text.h"
 #include "commands.h"
 #include "console.h"
@@ -153,20 +154,13 @@ void run(Arguments& arguments) {
 }  // namespace
 
 void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods) {
-  std::vector<std::pair<std::string, BoundaryChoice>> choices = {{"auto", BoundaryChoice::Auto},
-                                                                 {"walls", BoundaryChoice::Walls},
-                                                                 {"open", BoundaryChoice::Open}};
   std::string help =
       "walls: what is zero at the boundary stays zero; open: constants are exact there; auto: "
       "walls for forms that are zero there";
-  if (methods) {
-    for (const auto other :
-         {BoundaryChoice::Simple, BoundaryChoice::Projection, BoundaryChoice::Expansion}) {
-      choices.emplace_back(boundaryName(other), other);
-    }
-    help += "; for comparison, the thesis' methods: simple, projection, expansion";
-  }
-  addChoice<BoundaryChoice>(command, "--boundary", choice, choices, help);
+#ifdef OCTETVDB_WITH_THESIS
+  if (methods) help += "; for comparison, the thesis' methods: simple, projection, expansion";
+#endif
+  addChoice<BoundaryChoice>(command, "--boundary", choice, boundaryChoices(methods), help);
 }
 
 void addBake(CLI::App* program) {

@@ -46,7 +46,7 @@ void addChoice(CLI::App* command, const std::string& option, T* value,
   command->add_option_function<std::string>(option, choose, help)->option_text(alternatives);
 }
 
-/// Adds --boundary; `methods`: with those of the thesis, which MethodRefiner carries out.
+/// Adds --boundary; `methods`: with those of the thesis.
 void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods = false);
 
 /// Refuses a --frame that the asset does not have.

@@ -48,7 +48,7 @@ Json describeForm(const ControlAsset& asset, const Form& form) {
   result["nonzero"] = nonzero;
   result["max"] = size;
   if (K < 3) result["max_derivative"] = derivative;
-  const BoundaryMode mode = boundaryMode(asset, form, BoundaryChoice::Auto);
+  const BoundaryMode mode = boundaryMode(asset, form, BoundaryChoice{});
   result["boundary"] = mode == BoundaryMode::Walls ? "walls" : "open";
   return result;
 }

@@ -5,6 +5,11 @@
 
 #include <octet/converters/control_asset/refined_document.h>
 #include <octet/core/base/error.h>
+#include <octet/core/forms/with_degree.h>
+#ifdef OCTETVDB_WITH_THESIS
+#include <octet/core/thesis/extension.h>
+#include <octet/core/thesis/thesis_subdivision.h>
+#endif
 
 #include "commands.h"
 #include "console.h"
@@ -15,9 +20,12 @@ namespace {
 struct Arguments {
   std::string control, output;
   RefinerOptions options;
-  BoundaryChoice boundary = BoundaryChoice::Auto;
+  BoundaryChoice boundary;
   std::optional<int> frame;
-  bool virtualLayer = false, json = false;
+  bool json = false;
+#ifdef OCTETVDB_WITH_THESIS
+  bool virtualLayer = false;
+#endif
 };
 
 /// More cells than this are refused, for memory and for the size of the document.
@@ -44,7 +52,7 @@ void print(const Arguments& arguments, std::int64_t cells, const std::string& no
     const nlohmann::ordered_json document = {{"path", arguments.output},
                                              {"levels", arguments.options.levels},
                                              {"cells", cells},
-                                             {"boundary", boundaryName(arguments.boundary)},
+                                             {"boundary", arguments.boundary.name},
                                              {"note", note}};
     std::cout << text(document) << "\n";
   } else if (!note.empty()) {
@@ -52,32 +60,52 @@ void print(const Arguments& arguments, std::int64_t cells, const std::string& no
   }
 }
 
+#ifdef OCTETVDB_WITH_THESIS
+/// Writes the control mesh with the virtual layer of the expansion method around it, and the forms
+/// continued to it (extension.h). The mesh's own vertices and cells come first, each kind.
+void writeExpanded(const ControlAsset& asset, int frame, const Arguments& arguments) {
+  const VirtualLayer layer(asset.mesh);
+  const ControlMesh expanded = ControlMesh::build(layer.expanded);
+  const Extension extension(asset.mesh, layer, expanded);
+  const auto values = [&](const Form& form) {
+    return withDegree(form.degree, [&](auto degree) {
+      return extension.apply(coefficients<decltype(degree)::value>(asset, form, frame)).values();
+    });
+  };
+  writeRefinedDocument(asset, {*expanded.complex(), expanded.positions(), values}, arguments.output,
+                       arguments.options.progress);
+}
+
+void checkVirtualLayer(const Arguments& arguments) {
+  if (arguments.virtualLayer && (arguments.boundary.name != methodName(ThesisMethod::Expansion) ||
+                                 arguments.options.levels != 0)) {
+    throw InputError("--virtual-layer", "needs --boundary expansion and --levels 0");
+  }
+}
+#endif
+
 void run(Arguments& arguments) {
   const RefinerOptions& options = arguments.options;
   arguments.options.progress = consoleProgress();
   checkOutput(arguments.control, arguments.output);
-  if (arguments.virtualLayer &&
-      (arguments.boundary != BoundaryChoice::Expansion || options.levels != 0)) {
-    throw InputError("--virtual-layer", "needs --boundary expansion and --levels 0");
-  }
+#ifdef OCTETVDB_WITH_THESIS
+  checkVirtualLayer(arguments);
+#endif
   const ControlAsset asset = readAsset(arguments.control);
   checkSize(*asset.mesh.complex(), options.levels);
   if (arguments.frame) checkFrame(asset, *arguments.frame);
   const int frame = arguments.frame.value_or(0);
-  if (const auto method = boundaryMethod(arguments.boundary)) {
-    const MethodRefiner refiner(asset.mesh, *method, options);
-    if (arguments.virtualLayer) {
-      writeExpandedDocument(asset, frame, arguments.output, options.progress);
-    } else {
-      writeRefinedDocument(asset, refiner, frame, arguments.output, options.progress);
-    }
-    print(arguments, refiner.complex(options.levels).cellCount(), methodNote(refiner));
+  const auto subdivision = arguments.boundary.subdivide(asset.mesh, options);
+#ifdef OCTETVDB_WITH_THESIS
+  if (arguments.virtualLayer) {
+    writeExpanded(asset, frame, arguments);
+    print(arguments, subdivision->finest()->cellCount(), subdivision->note());
     return;
   }
-  const Refiner refiner(asset.mesh, options);
-  writeRefinedDocument(asset, refiner, arguments.boundary, frame, arguments.output,
+#endif
+  writeRefinedDocument(asset, *subdivision, arguments.boundary, frame, arguments.output,
                        options.progress);
-  print(arguments, refiner.finest().cellCount(), "");
+  print(arguments, subdivision->finest()->cellCount(), subdivision->note());
 }
 
 }  // namespace
@@ -110,9 +138,11 @@ void addRefine(CLI::App* program) {
   command->add_flag("!--linear", arguments->options.smooth,
                     "Linear (Whitney) subdivision only, without smoothing");
   command->add_option("--frame", arguments->frame, "Frame of an animated asset");
+#ifdef OCTETVDB_WITH_THESIS
   command->add_flag("--virtual-layer", arguments->virtualLayer,
                     "Write the control mesh with the layer that --boundary expansion puts around "
                     "it, and the forms continued to it");
+#endif
   command->add_flag("--json", arguments->json, "Print a machine-readable summary");
   command->callback([arguments] { run(*arguments); });
 }

@@ -439,7 +439,7 @@ def continuation(page):
                 "virtual simplices copy the coefficient of a parallel real one", pictures, findings,
                 guess="the claim and the number. Of the captions 5.16 to 5.18 one line is left, "
                       "\"in the virtual mesh to which we copy the coefficient\". Which real simplex "
-                      "is copied is lost; core/boundary_methods/extension.h says what is done "
+                      "is copied is lost; core/thesis/extension.h says what is done "
                       "instead")
 
 
@@ -480,7 +480,7 @@ def boundary_methods(page):
                 [found(off < 0.01, f"circulations differ from those of Fig. 4.14, by the open rule, "
                                    f"by {off:.2g} of the peak at most")],
                 guess="the claim: the caption has none. The rule, but for its name and Fig. 5.5's "
-                      "caption: core/boundary_methods/method_refiner.h")
+                      "caption: core/thesis/thesis_subdivision.h")
     page.figure("5.7", "M_B by projection with scaling",
                 "no attenuation, but streamlines bend at the boundary",
                 pictures("5.7", "M_B", "projection", flows),

@@ -3,19 +3,27 @@
 // lattice, and what they are known to spoil.
 #include <gtest/gtest.h>
 
-#include <octet/core/boundary_methods/method_refiner.h>
+#include <octet/core/field/field.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/de_rham.h>
+#include <octet/core/thesis/thesis_subdivision.h>
 
 #include "tests/support/meshes.h"
 
 namespace octet {
 namespace {
 
-MethodRefiner refined(const ControlMeshInput& input, BoundaryMethod method, int levels) {
+/// To no method does the mode matter.
+constexpr auto kAnyMode = BoundaryMode::Walls;
+
+std::unique_ptr<Subdivision> refined(const ControlMesh& mesh, ThesisMethod method, int levels) {
   RefinerOptions options;
   options.levels = levels;
-  return MethodRefiner(ControlMesh::build(input), method, options);
+  return subdivideByThesis(mesh, method, options);
+}
+std::unique_ptr<Subdivision> refined(const ControlMeshInput& input, ThesisMethod method,
+                                     int levels) {
+  return refined(ControlMesh::build(input), method, levels);
 }
 
 template <int K>
@@ -36,16 +44,17 @@ double difference(const Cochain<K>& a, const Cochain<K>& b) {
 
 /// Coefficients of a vector field on a level as the method places it.
 template <int K, typename Function>
-Cochain<K> integrals(const MethodRefiner& refiner, int level, const Function& field) {
-  const DeRham deRham(refiner.complex(level), refiner.positions(level), 4);
+Cochain<K> integrals(const Subdivision& refiner, int level, const Function& field) {
+  const DeRham deRham(*refiner.complex(level), refiner.positions(level), 4);
   if constexpr (K == 1) return deRham.edges(field);
   if constexpr (K == 2) return deRham.facets(field);
 }
 
 template <int K, typename Function>
-double misses(const MethodRefiner& refiner, const Function& field) {
+double misses(const Subdivision& refiner, const Function& field) {
   const auto coarse = integrals<K>(refiner, 0, field);
-  return difference(refiner.refine(coarse), integrals<K>(refiner, refiner.levels(), field));
+  return difference(refiner.refine(coarse, kAnyMode),
+                    integrals<K>(refiner, refiner.levels(), field));
 }
 
 Vec3 constantField(const Vec3&) { return Vec3(0.3, -1.1, 0.7); }
@@ -69,18 +78,18 @@ std::vector<testing::NamedMesh> smallMeshes() {
 TEST(Expansion, ReproducesConstantsOnAnyMesh) {
   for (const auto& mesh : smallMeshes()) {
     SCOPED_TRACE(mesh.name);
-    const auto refiner = refined(mesh.input, BoundaryMethod::Expansion, 2);
-    EXPECT_LT(misses<1>(refiner, constantField), 1e-11);
-    EXPECT_LT(misses<2>(refiner, constantField), 1e-11);
+    const auto refiner = refined(mesh.input, ThesisMethod::Expansion, 2);
+    EXPECT_LT(misses<1>(*refiner, constantField), 1e-11);
+    EXPECT_LT(misses<2>(*refiner, constantField), 1e-11);
   }
 }
 
 /// d of a refined form and the refined d of it.
 template <int K>
-double commutes(const MethodRefiner& refiner, std::uint32_t seed) {
-  const auto form = randomForm<K>(refiner.complex(0), seed);
-  return difference(d(refiner.complex(refiner.levels()), refiner.refine(form)),
-                    refiner.refine(d(refiner.complex(0), form)));
+double commutes(const Subdivision& refiner, std::uint32_t seed) {
+  const auto form = randomForm<K>(*refiner.complex(0), seed);
+  return difference(d(*refiner.finest(), refiner.refine(form, kAnyMode)),
+                    refiner.refine(d(*refiner.complex(0), form), kAnyMode));
 }
 
 TEST(Expansion, CommutesWithTheDerivativeOnAnyMesh) {
@@ -94,11 +103,11 @@ TEST(Expansion, CommutesWithTheDerivativeOnAnyMesh) {
   meshes.push_back({"octahedral block", octahedralBlock(2)});
   for (const auto& mesh : meshes) {
     SCOPED_TRACE(mesh.name);
-    const auto refiner = refined(mesh.input, BoundaryMethod::Expansion, 2);
-    EXPECT_TRUE(refiner.commutes());
-    EXPECT_LT(commutes<0>(refiner, 1), 1e-12);
-    EXPECT_LT(commutes<1>(refiner, 2), 1e-12);
-    EXPECT_LT(commutes<2>(refiner, 3), 1e-12);
+    const auto refiner = refined(mesh.input, ThesisMethod::Expansion, 2);
+    EXPECT_TRUE(refiner->commutes());
+    EXPECT_LT(commutes<0>(*refiner, 1), 1e-12);
+    EXPECT_LT(commutes<1>(*refiner, 2), 1e-12);
+    EXPECT_LT(commutes<2>(*refiner, 3), 1e-12);
   }
 }
 
@@ -113,20 +122,20 @@ TEST(Expansion, SaysWhereNothingCanCommute) {
   const auto gap = std::find_if(input.octs.begin(), input.octs.end(), atCentre);
   ASSERT_NE(gap, input.octs.end());
   input.octs.erase(gap);
-  const auto refiner = refined(input, BoundaryMethod::Expansion, 1);
-  EXPECT_FALSE(refiner.commutes());
-  EXPECT_LT(commutes<0>(refiner, 1), 1e-12);
-  EXPECT_LT(commutes<1>(refiner, 2), 1e-12);
-  EXPECT_GT(commutes<2>(refiner, 3), 1e-3);
-  EXPECT_LT(misses<2>(refiner, constantField), 1e-11);
+  const auto refiner = refined(input, ThesisMethod::Expansion, 1);
+  EXPECT_FALSE(refiner->commutes());
+  EXPECT_LT(commutes<0>(*refiner, 1), 1e-12);
+  EXPECT_LT(commutes<1>(*refiner, 2), 1e-12);
+  EXPECT_GT(commutes<2>(*refiner, 3), 1e-3);
+  EXPECT_LT(misses<2>(*refiner, constantField), 1e-11);
 }
 
 TEST(Expansion, DoesNotShrinkALatticeBlock) {
   // Thesis 5.4: the block, with its edges and corners, is what it was.
   const auto input = octahedralBlock(1);
-  const auto refiner = refined(input, BoundaryMethod::Expansion, 3);
-  for (Index v = 0; v < refiner.complex(3).vertexCount(); ++v) {
-    const Vec3& p = refiner.positions(3)[v];
+  const auto refiner = refined(input, ThesisMethod::Expansion, 3);
+  for (Index v = 0; v < refiner->complex(3)->vertexCount(); ++v) {
+    const Vec3& p = refiner->positions(3)[v];
     EXPECT_LT(p.cwiseAbs().sum(), 2 + 1e-12);
     if (v < static_cast<Index>(input.vertices.size())) {
       EXPECT_LT((p - input.vertices[v]).norm(), 1e-12);
@@ -136,17 +145,18 @@ TEST(Expansion, DoesNotShrinkALatticeBlock) {
 
 TEST(Expansion, IsTheSchemeItselfAwayFromTheBoundary) {
   const auto input = octahedralBlock(3);
-  const auto refiner = refined(input, BoundaryMethod::Expansion, 1);
+  const ControlMesh mesh = ControlMesh::build(input);
+  const auto refiner = refined(mesh, ThesisMethod::Expansion, 1);
   RefinerOptions options;
   options.levels = 1;
-  const Refiner plain(ControlMesh::build(input), options);
-  const auto form = randomForm<2>(refiner.complex(0), 5);
-  const auto ours = refiner.refine(form), theirs = plain.refine(form, BoundaryMode::Walls);
+  const Refiner plain(mesh, options);
+  const auto form = randomForm<2>(*refiner->complex(0), 5);
+  const auto ours = refiner->refine(form, kAnyMode), theirs = plain.refine(form, kAnyMode);
   int compared = 0;
   for (Index f = 0; f < ours.size(); ++f) {
     double reach = 0;
-    for (const Index v : refiner.complex(1).facetVertices(f)) {
-      reach = std::max(reach, refiner.positions(1)[v].cwiseAbs().sum());
+    for (const Index v : refiner->complex(1)->facetVertices(f)) {
+      reach = std::max(reach, refiner->positions(1)[v].cwiseAbs().sum());
     }
     if (reach > 3) continue;
     ++compared;
@@ -158,26 +168,26 @@ TEST(Expansion, IsTheSchemeItselfAwayFromTheBoundary) {
 TEST(Projection, ReproducesConstantsOnAnyMesh) {
   for (const auto& mesh : testing::allKinds()) {
     SCOPED_TRACE(mesh.name);
-    const auto refiner = refined(mesh.input, BoundaryMethod::Projection, 2);
-    EXPECT_LT(misses<1>(refiner, constantField), 1e-11);
-    EXPECT_LT(misses<2>(refiner, constantField), 1e-11);
+    const auto refiner = refined(mesh.input, ThesisMethod::Projection, 2);
+    EXPECT_LT(misses<1>(*refiner, constantField), 1e-11);
+    EXPECT_LT(misses<2>(*refiner, constantField), 1e-11);
   }
 }
 
 TEST(Projection, KeepsFlatWallsWhereTheyAre) {
   const auto input = octahedralBlock(2);
-  const auto refiner = refined(input, BoundaryMethod::Projection, 3);
-  const Complex& c = refiner.complex(3);
+  const auto refiner = refined(input, ThesisMethod::Projection, 3);
+  const Complex& c = *refiner->complex(3);
   for (Index v = 0; v < c.vertexCount(); ++v) {
     if (!c.vertexOnBoundary(v)) continue;
-    EXPECT_NEAR(refiner.positions(3)[v].cwiseAbs().sum(), 4, 1e-12);
+    EXPECT_NEAR(refiner->positions(3)[v].cwiseAbs().sum(), 4, 1e-12);
   }
 }
 
 TEST(Simple, LosesTheBoundaryAndShrinks) {
-  const auto refiner = refined(octahedralBlock(2), BoundaryMethod::Simple, 2);
-  const Complex& c = refiner.complex(2);
-  const auto fine = refiner.refine(integrals<2>(refiner, 0, constantField));
+  const auto refiner = refined(octahedralBlock(2), ThesisMethod::Simple, 2);
+  const Complex& c = *refiner->complex(2);
+  const auto fine = refiner->refine(integrals<2>(*refiner, 0, constantField), kAnyMode);
   for (Index f = 0; f < c.facetCount(); ++f) {
     if (c.facetOnBoundary(f)) {
       EXPECT_EQ(fine[f], 0);
@@ -185,32 +195,32 @@ TEST(Simple, LosesTheBoundaryAndShrinks) {
   }
   double reach = 0;
   for (Index v = 0; v < c.vertexCount(); ++v) {
-    reach = std::max(reach, refiner.positions(2)[v].cwiseAbs().sum());
+    reach = std::max(reach, refiner->positions(2)[v].cwiseAbs().sum());
   }
   EXPECT_LT(reach, 3.95);
-  EXPECT_GT(misses<2>(refiner, constantField), 1e-3);
+  EXPECT_GT(misses<2>(*refiner, constantField), 1e-3);
 }
 
-TEST(MethodRefiner, HasTheTopologyOfRefiner) {
+TEST(ThesisSubdivision, HasTheTopologyOfRefiner) {
   const auto input = testing::withOctahedra(testing::randomBall(60, 5));
   RefinerOptions options;
   options.levels = 2;
   const Refiner plain(ControlMesh::build(input), options);
-  const auto refiner = refined(input, BoundaryMethod::Expansion, 2);
-  EXPECT_TRUE(refiner.complex(2).edges == plain.complex(2).edges);
-  EXPECT_TRUE(refiner.complex(2).octs == plain.complex(2).octs);
+  const auto refiner = refined(input, ThesisMethod::Expansion, 2);
+  EXPECT_TRUE(refiner->complex(2)->edges == plain.complex(2).edges);
+  EXPECT_TRUE(refiner->complex(2)->octs == plain.complex(2).octs);
 }
 
-TEST(MethodRefiner, RefusesAFormOfAnotherMesh) {
-  const auto refiner = refined(testing::singleTetrahedron(), BoundaryMethod::Simple, 1);
-  EXPECT_THROW(refiner.refine(Cochain<1>(Array<double>(5, 0.0))), InputError);
+TEST(ThesisSubdivision, RefusesAFormOfAnotherMesh) {
+  const auto refiner = refined(testing::singleTetrahedron(), ThesisMethod::Simple, 1);
+  EXPECT_THROW(refiner->refine(Cochain<1>(Array<double>(5, 0.0)), kAnyMode), InputError);
 }
 
-TEST(MethodRefiner, FieldsReachUpToTheBoundary) {
+TEST(ThesisSubdivision, FieldsReachUpToTheBoundary) {
   const auto input = octahedralBlock(2);
-  for (const auto method : {BoundaryMethod::Projection, BoundaryMethod::Expansion}) {
+  for (const auto method : {ThesisMethod::Projection, ThesisMethod::Expansion}) {
     const auto refiner = refined(input, method, 2);
-    const auto field = refiner.field(integrals<2>(refiner, 0, constantField));
+    const auto field = makeField(*refiner, integrals<2>(*refiner, 0, constantField), kAnyMode);
     Vec3 value;
     for (const Vec3& p : {Vec3(0.1, 0.2, 0.3), Vec3(3.9, 0.02, 0.03), Vec3(1.3, 1.3, 1.39)}) {
       ASSERT_TRUE(field.sample(p, &value));

@@ -19,15 +19,17 @@ LAYERS = [
     ["forms", "cage"],
     ["primitives", "refine"],
     ["field", "analysis"],
-    ["hodge", "boundary_methods", "streamlines"],
+    ["hodge", "streamlines"],
     ["fit", "raster"],
+    ["thesis"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.M)
 # What a part of the repository never includes, and why.
 REFUSED = {
     "core": (r"openvdb/|octet/(converters|plugin)/|nlohmann/", "mathematics without file formats"),
-    "converters": (r"octet/plugin/|plugin/|CLI/|pybind11/", "formats without a program around them"),
+    "converters": (r"octet/(plugin|core/thesis)/|plugin/|CLI/|pybind11/",
+                   "formats without a program around them, or a rule of their own"),
 }
 
 

@@ -26,7 +26,7 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
   options.voxelSize = voxelSize;
   options.resolution = resolution;
   options.levels = levels;
-  options.boundary = boundaryOrMethod(boundary);
+  options.boundary = boundaryChoice(boundary, true);
   options.sampling = choose<Sampling>(
       "grid", grid, {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}});
   options.reconstruction = reconstructionChoice(reconstruction);

@@ -34,10 +34,9 @@ struct MeshForm {
   Form form;
 };
 
-/// "auto", "walls" or "open".
-BoundaryChoice boundaryChoice(const std::string& name);
-/// The same, or one of the thesis' methods: "simple", "projection" or "expansion".
-BoundaryChoice boundaryOrMethod(const std::string& name);
+/// "auto", "walls" or "open"; `methods`: or one of the thesis': "simple", "projection" or
+/// "expansion".
+BoundaryChoice boundaryChoice(const std::string& name, bool methods);
 /// "limit" or "whitney".
 Reconstruction reconstructionChoice(const std::string& name);
 

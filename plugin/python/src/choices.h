@@ -13,11 +13,11 @@ namespace octet::python {
 /// @throws InputError listing the names there are
 template <typename T>
 T choose(const char* argument, const std::string& name,
-         const std::vector<std::pair<const char*, T>>& choices) {
+         const std::vector<std::pair<std::string, T>>& choices) {
   std::string names;
   for (const auto& [known, value] : choices) {
     if (name == known) return value;
-    names += (names.empty() ? "" : ", ") + std::string(known);
+    names += (names.empty() ? "" : ", ") + known;
   }
   throw InputError(argument, "\"" + name + "\" is none of " + names);
 }

@@ -6,27 +6,15 @@
 
 #include <octet/version.h>
 
+#include "../../boundary_choices.h"
 #include "bindings.h"
 #include "choices.h"
 #include "errors.h"
 
 namespace octet::python {
 
-BoundaryChoice boundaryChoice(const std::string& name) {
-  return choose<BoundaryChoice>("boundary", name,
-                                {{"auto", BoundaryChoice::Auto},
-                                 {"walls", BoundaryChoice::Walls},
-                                 {"open", BoundaryChoice::Open}});
-}
-
-BoundaryChoice boundaryOrMethod(const std::string& name) {
-  std::vector<std::pair<const char*, BoundaryChoice>> choices;
-  for (const auto choice :
-       {BoundaryChoice::Auto, BoundaryChoice::Walls, BoundaryChoice::Open, BoundaryChoice::Simple,
-        BoundaryChoice::Projection, BoundaryChoice::Expansion}) {
-    choices.emplace_back(boundaryName(choice), choice);
-  }
-  return choose<BoundaryChoice>("boundary", name, choices);
+BoundaryChoice boundaryChoice(const std::string& name, bool methods) {
+  return choose("boundary", name, boundaryChoices(methods));
 }
 
 Reconstruction reconstructionChoice(const std::string& name) {

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
+#include <map>
 #include <mutex>
 #include <optional>
 
 #include <pybind11/stl.h>
 
 #include <octet/core/base/error.h>
-#include <octet/core/boundary_methods/method_refiner.h>
 #include <octet/core/field/field.h>
-#include <octet/core/refine/refiner.h>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -18,32 +16,32 @@
 namespace octet::python {
 namespace {
 
-/// A refiner with its limit and the thesis' boundary methods, which are made when first needed.
-class Subdivision {
+/// A mesh subdivided by the scheme and, once they are asked for, by other rules.
+class MeshRefiner {
  public:
-  Subdivision(std::shared_ptr<ControlMesh> mesh, const RefinerOptions& options)
-      : mesh_(std::move(mesh)), options_(options), refiner_(*mesh_, options) {
+  MeshRefiner(std::shared_ptr<ControlMesh> mesh, const RefinerOptions& options)
+      : mesh_(std::move(mesh)), options_(options), scheme_(*mesh_, options) {
     options_.progress = {};  // of whoever made this
   }
 
-  const Refiner& refiner() const { return refiner_; }
   const std::shared_ptr<ControlMesh>& mesh() const { return mesh_; }
+  const SchemeSubdivision& scheme() const { return scheme_; }
+  const Refiner& refiner() const { return scheme_.refiner(); }
   /// Call it without the GIL: another thread may be at it, and need the GIL for its progress.
-  const Limit& limit() const {
-    std::call_once(once_, [&] { limit_.emplace(refiner_); });
-    return *limit_;
-  }
+  const Limit& limit() const { return scheme_.limit(); }
   /// Likewise.
-  const MethodRefiner& method(BoundaryMethod which) const {
-    const auto k = static_cast<std::size_t>(which);
-    std::call_once(methodOnce_[k], [&] { methods_[k].emplace(*mesh_, which, options_); });
-    return *methods_[k];
+  const Subdivision& by(const BoundaryChoice& choice) const {
+    if (choice.mode || choice.name == BoundaryChoice{}.name) return scheme_;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    auto& subdivision = others_[choice.name];
+    if (!subdivision) subdivision = choice.subdivide(*mesh_, options_);
+    return *subdivision;
   }
   int level(std::optional<int> asked) const {
-    const int level = asked.value_or(refiner_.levels());
-    if (level < 0 || level > refiner_.levels()) {
+    const int level = asked.value_or(refiner().levels());
+    if (level < 0 || level > refiner().levels()) {
       throw InputError("level", std::to_string(level) + " is not from 0 to " +
-                                    std::to_string(refiner_.levels()));
+                                    std::to_string(refiner().levels()));
     }
     return level;
   }
@@ -51,11 +49,9 @@ class Subdivision {
  private:
   std::shared_ptr<ControlMesh> mesh_;
   RefinerOptions options_;
-  Refiner refiner_;
-  mutable std::once_flag once_;
-  mutable std::optional<Limit> limit_;
-  mutable std::array<std::once_flag, 3> methodOnce_;
-  mutable std::array<std::optional<MethodRefiner>, 3> methods_;  // by BoundaryMethod
+  SchemeSubdivision scheme_;
+  mutable std::mutex mutex_;
+  mutable std::map<std::string, std::unique_ptr<const Subdivision>> others_;  // by choice's name
 };
 
 template <int K>
@@ -66,50 +62,43 @@ Cochain<K> cochain(const py::object& object, const Complex& complex) {
 
 /// The mode that a choice means for coefficients on the control mesh.
 template <int K>
-BoundaryMode modeFor(BoundaryChoice choice, const Complex& control, const Cochain<K>& form) {
-  if (choice == BoundaryChoice::Auto) return automaticMode(control, form);
-  return choice == BoundaryChoice::Walls ? BoundaryMode::Walls : BoundaryMode::Open;
+BoundaryMode modeFor(const BoundaryChoice& choice, const Complex& control, const Cochain<K>& form) {
+  return choice.mode ? *choice.mode : automaticMode(control, form);
 }
 
 BoundaryMode knownMode(const std::string& boundary) {
-  if (boundary == "auto") {
+  const auto mode = boundaryChoice(boundary, false).mode;
+  if (!mode) {
     throw InputError("boundary",
                      "\"auto\" is for coefficients on the control mesh; here it is "
                      "\"walls\" or \"open\"");
   }
-  return boundaryChoice(boundary) == BoundaryChoice::Walls ? BoundaryMode::Walls
-                                                           : BoundaryMode::Open;
+  return *mode;
 }
 
-std::shared_ptr<Subdivision> makeSubdivision(std::shared_ptr<ControlMesh> mesh, int levels,
-                                             double zeta, bool smooth, const py::object& progress) {
+std::shared_ptr<MeshRefiner> makeRefiner(std::shared_ptr<ControlMesh> mesh, int levels, double zeta,
+                                         bool smooth, const py::object& progress) {
   RefinerOptions options;
   options.levels = levels;
   options.zeta = zeta;
   options.smooth = smooth;
   options.progress = progressCallback(progress);
-  return withoutGil([&] { return std::make_shared<Subdivision>(std::move(mesh), options); });
+  return withoutGil([&] { return std::make_shared<MeshRefiner>(std::move(mesh), options); });
 }
 
-py::array refine(const Subdivision& s, int degree, const py::object& coefficients,
+py::array refine(const MeshRefiner& s, int degree, const py::object& coefficients,
                  const std::string& boundary) {
   return withDegree(degree, [&](auto constant) {
     constexpr int K = decltype(constant)::value;
-    const BoundaryChoice choice = boundaryOrMethod(boundary);
+    const BoundaryChoice choice = boundaryChoice(boundary, true);
     auto form = cochain<K>(coefficients, s.refiner().complex(0));
-    withoutGil([&] {
-      if (const auto method = boundaryMethod(choice)) {
-        form = s.method(*method).refine(form);
-        return;
-      }
-      const BoundaryMode mode = modeFor(choice, s.refiner().complex(0), form);
-      form = s.refiner().refine(std::move(form), mode);
-    });
+    withoutGil(
+        [&] { form = s.by(choice).refine(form, modeFor(choice, s.refiner().complex(0), form)); });
     return handOver(std::move(form.values()));
   });
 }
 
-py::array step(const Subdivision& s, int level, int degree, const py::object& coefficients,
+py::array step(const MeshRefiner& s, int level, int degree, const py::object& coefficients,
                const std::string& boundary) {
   const BoundaryMode mode = knownMode(boundary);
   if (s.level(level) == s.refiner().levels()) {
@@ -122,7 +111,7 @@ py::array step(const Subdivision& s, int level, int degree, const py::object& co
   });
 }
 
-py::array limit(const Subdivision& s, int degree, const py::object& coefficients,
+py::array limit(const MeshRefiner& s, int degree, const py::object& coefficients,
                 const std::string& boundary) {
   const BoundaryMode mode = knownMode(boundary);
   return withDegree(degree, [&](auto constant) {
@@ -144,20 +133,16 @@ py::array limit(const Subdivision& s, int degree, const py::object& coefficients
   });
 }
 
-FieldHandle field(const Subdivision& s, int degree, const py::object& coefficients,
+FieldHandle field(const MeshRefiner& s, int degree, const py::object& coefficients,
                   const std::string& boundary, const std::string& reconstruction) {
-  const BoundaryChoice choice = boundaryOrMethod(boundary);
+  const BoundaryChoice choice = boundaryChoice(boundary, true);
   const Reconstruction how = reconstructionChoice(reconstruction);
   return withDegree(degree, [&](auto constant) {
     constexpr int K = decltype(constant)::value;
-    auto form = cochain<K>(coefficients, s.refiner().complex(0));
+    const auto form = cochain<K>(coefficients, s.refiner().complex(0));
     return withoutGil([&] {
-      if (const auto method = boundaryMethod(choice)) {
-        return FieldHandle(s.method(*method).field(form, how));
-      }
       const BoundaryMode mode = modeFor(choice, s.refiner().complex(0), form);
-      form = s.refiner().refine(std::move(form), mode);
-      return FieldHandle(makeField(s.refiner(), s.limit(), std::move(form), mode, how));
+      return FieldHandle(makeField(s.by(choice), form, mode, how));
     });
   });
 }
@@ -165,7 +150,7 @@ FieldHandle field(const Subdivision& s, int degree, const py::object& coefficien
 }  // namespace
 
 void bindRefiner(py::module_& module) {
-  py::class_<Subdivision, std::shared_ptr<Subdivision>>(
+  py::class_<MeshRefiner, std::shared_ptr<MeshRefiner>>(
       module, "Refiner", py::module_local(),
       R"(Subdivides a control mesh and the forms on it.
 
@@ -177,22 +162,22 @@ progress: called as progress(stage, done, total, unit) while levels are built; r
 
 Levels are built once, then applied to any number of forms of degree 0 to 3. Refinement commutes
 with the exterior derivative. Methods may be called from many threads; long ones release the GIL.)")
-      .def(py::init(&makeSubdivision), py::arg("mesh"), py::arg("levels") = 1, py::kw_only(),
+      .def(py::init(&makeRefiner), py::arg("mesh"), py::arg("levels") = 1, py::kw_only(),
            py::arg("zeta") = kDefaultZeta, py::arg("smooth") = true,
            py::arg("progress") = py::none())
-      .def_property_readonly("mesh", &Subdivision::mesh, "The control mesh.")
+      .def_property_readonly("mesh", &MeshRefiner::mesh, "The control mesh.")
       .def_property_readonly(
-          "levels", [](const Subdivision& s) { return s.refiner().levels(); },
+          "levels", [](const MeshRefiner& s) { return s.refiner().levels(); },
           "Number of subdivisions.")
       .def_property_readonly(
-          "zeta", [](const Subdivision& s) { return s.refiner().zeta(); },
+          "zeta", [](const MeshRefiner& s) { return s.refiner().zeta(); },
           "Free weight of the octahedron's linear rule.")
       .def_property_readonly(
-          "smooth", [](const Subdivision& s) { return s.refiner().smooth(); },
+          "smooth", [](const MeshRefiner& s) { return s.refiner().smooth(); },
           "Smooth subdivision, not just linear?")
       .def(
           "complex",
-          [](const Subdivision& s, std::optional<int> level) {
+          [](const MeshRefiner& s, std::optional<int> level) {
             return std::const_pointer_cast<Complex>(s.refiner().sharedComplex(s.level(level)));
           },
           py::arg("level") = py::none(),
@@ -200,12 +185,11 @@ with the exterior derivative. Methods may be called from many threads; long ones
       .def(
           "positions",
           [](const py::object& self, std::optional<int> level, const std::string& boundary) {
-            const auto& s = self.cast<const Subdivision&>();
+            const auto& s = self.cast<const MeshRefiner&>();
             const int k = s.level(level);
-            const auto method = boundaryMethod(boundaryOrMethod(boundary));
-            const auto& points = withoutGil([&]() -> const auto& {
-              return method ? s.method(*method).positions(k) : s.refiner().positions(k);
-            });
+            const BoundaryChoice choice = boundaryChoice(boundary, true);
+            const auto& points =
+                withoutGil([&]() -> const auto& { return s.by(choice).positions(k); });
             return viewRows(points, 3, self);
           },
           py::arg("level") = py::none(), py::arg("boundary") = "auto",
@@ -214,7 +198,7 @@ with the exterior derivative. Methods may be called from many threads; long ones
       .def(
           "limit_positions",
           [](const py::object& self) {
-            const auto& s = self.cast<const Subdivision&>();
+            const auto& s = self.cast<const MeshRefiner&>();
             const auto& points = withoutGil([&]() -> const auto& { return s.limit().positions(); });
             return viewRows(points, 3, self);
           },
@@ -241,7 +225,7 @@ vectors of a 1-form, flux densities of a 2-form. boundary is "walls" or "open".)
            R"(The field of a form given on the control mesh, to be sampled at points.
 
 reconstruction: "limit", smooth and second order; or "whitney", the Whitney form on the finest level)")
-      .def("__repr__", [](const Subdivision& s) {
+      .def("__repr__", [](const MeshRefiner& s) {
         return "<octetvdb.Refiner: " + std::to_string(s.refiner().levels()) + " levels, " +
                std::to_string(s.refiner().finest().cellCount()) + " cells>";
       });

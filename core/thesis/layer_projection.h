@@ -6,7 +6,7 @@
 namespace octet {
 
 /// @brief One level of the projection-scaling method (thesis 5.3): what replaces the star rules at
-/// simplices that touch the boundary. See MethodRefiner for the rule.
+/// simplices that touch the boundary. See ThesisMethod for the rule.
 class LayerProjection {
  public:
   /// @param refiner    with star rows and without patch test
