@@ -18,21 +18,46 @@ std::string numbered(const std::string& path, int frame) {
   return (p.parent_path() / (p.stem().string() + number + p.extension().string())).string();
 }
 
-BakedFile bakeFile(const ControlAsset& asset, const FormChoice& choice, const FormBaker& baker,
-                   const std::string& path, std::optional<int> frame,
-                   const ProgressCallback& progress) {
-  BakedFile file{path, frame, {}};
-  VdbFile vdb;
-  for (const Form* form : choice.forms()) {
-    file.grids.push_back(baker.bake(*form, choice.gridName(*form), frame, &vdb));
+/// The files of a bake and their frames, in order.
+std::vector<std::pair<std::string, std::optional<int>>> filesOf(const FormChoice& choice,
+                                                                const std::string& path) {
+  const auto frames = choice.frames();
+  if (!frames) return {{path, std::nullopt}};
+  std::vector<std::pair<std::string, std::optional<int>>> files;
+  for (int frame = frames->first; frame <= frames->second; ++frame) {
+    files.emplace_back(numbered(path, frame), frame);
   }
+  return files;
+}
+
+/// Plans grids of one asset, form by form.
+class Planner {
+ public:
+  Planner(const ControlAsset& asset, const BakeOptions& options, const BakeFacts& facts)
+      : options_(options), facts_(facts), forms_(asset, options) {
+    checkMethod(options, facts.refinement);
+  }
+
+  ControlForm find(const Form& form, const std::string& grid, std::optional<int> frame) const {
+    return forms_.find(form, grid, frame, facts_);
+  }
+  BakePlan plan(const ControlForm& form) const { return planBake(form.facts, options_, facts_); }
+
+ private:
+  const BakeOptions& options_;
+  const BakeFacts& facts_;
+  ControlForms forms_;
+};
+
+std::vector<VdbMetadata> fileMetadata(const ControlAsset& asset, const Target& target,
+                                      std::optional<int> frame) {
+  const char upAxis = target.upAxis ? target.upAxis : asset.units.upAxis;
   std::vector<VdbMetadata> metadata = {{"octet_asset", asset.name},
-                                       {"octet_up_axis", std::string(1, baker.upAxis())},
+                                       {"octet_up_axis", std::string(1, upAxis)},
                                        {"octet_meters_per_unit", asset.units.metersPerUnit},
                                        {"octet_frames_per_second", asset.units.framesPerSecond}};
   if (frame) metadata.push_back({"octet_frame", static_cast<std::int32_t>(*frame)});
-  vdb.write(path, metadata, progress);
-  return file;
+  return metadata;
 }
 
 }  // namespace
@@ -40,27 +65,53 @@ BakedFile bakeFile(const ControlAsset& asset, const FormChoice& choice, const Fo
 BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path) {
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
-  const GridChoice grid = chooseGrid(asset.mesh, options);
-  const auto frames = choice.frames();
-  const FormBaker baker(asset, options, target, grid);
+  const auto resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta));
+  checkMemory(resolution, machineMemory());
+  const auto files = filesOf(choice, path);
+  const FormBaker baker(asset.mesh, options, resolution.levels);
+  const BakeFacts facts{asset.units.upAxis, resolution, baker.facts()};
+  const Planner planner(asset, options, facts);
   BakeReport report;
-  report.levels = grid.levels;
+  report.levels = resolution.levels;
   report.cells = baker.finest().cellCount();
-  report.voxelSize = grid.voxelSize;
-  report.meanEdge = baker.finestEdge();
+  report.voxelSize = resolution.voxelSize;
+  report.meanEdge = facts.refinement.fineEdge;
   report.note = target.note;
-
-  const auto bakeTo = [&](const std::string& to, std::optional<int> frame) {
-    report.files.push_back(bakeFile(asset, choice, baker, to, frame, options.progress));
-  };
-  if (!frames) {
-    bakeTo(path, std::nullopt);
-    return report;
-  }
-  for (int frame = frames->first; frame <= frames->second; ++frame) {
-    bakeTo(numbered(path, frame), frame);
+  for (const auto& [to, frame] : files) {
+    BakedFile file{to, frame, {}};
+    VdbFile vdb;
+    for (const Form* form : choice.forms()) {
+      const ControlForm control = planner.find(*form, choice.gridName(*form), frame);
+      file.grids.push_back(baker.execute(planner.plan(control), control, &vdb));
+    }
+    vdb.write(to, fileMetadata(asset, target, frame), options.progress);
+    report.files.push_back(std::move(file));
   }
   return report;
+}
+
+BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
+                         const std::string& path) {
+  const Target& target = findTarget(options.target);
+  const FormChoice choice(asset, options, target);
+  BakeForecast forecast;
+  forecast.resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta));
+  forecast.memory = machineMemory();
+  forecast.note = target.note;
+  RefinerOptions unrefined;
+  unrefined.levels = 0;
+  const auto unrefinedMesh = options.boundary.subdivide(asset.mesh, unrefined);
+  const BakeFacts facts{asset.units.upAxis, forecast.resolution,
+                        describe(*unrefinedMesh, forecast.resolution.fineEdge)};
+  const Planner planner(asset, options, facts);
+  for (const auto& [to, frame] : filesOf(choice, path)) {
+    PlannedFile file{to, frame, {}};
+    for (const Form* form : choice.forms()) {
+      file.grids.push_back(planner.plan(planner.find(*form, choice.gridName(*form), frame)));
+    }
+    forecast.files.push_back(std::move(file));
+  }
+  return forecast;
 }
 
 }  // namespace octet

@@ -1,40 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
-
 #include "../control_asset/control_asset.h"
-#include "../control_asset/refined_document.h"
-#include "targets.h"
+#include "bake_plan.h"
 #include "vdb_file.h"
 
 namespace octet {
-
-/// Where the values of vector grids come from (samples/conservation/README.md).
-enum class BakeMethod : std::uint8_t {
-  Auto,          ///< conservative where the form allows it and it costs no accuracy, else samples
-  Conservative,  ///< circulations or differences of a potential, or an error
-  Samples,       ///< samples of the field
-};
-
-/// What to bake of an asset, and how.
-struct BakeOptions {
-  std::vector<std::string> forms;  ///< names; empty: all
-  bool derivative = false;         ///< bake the exterior derivative of the forms instead
-  double voxelSize = 0;            ///< world units; or
-  int resolution = 0;              ///< voxels along the domain's longest side
-  std::optional<int> levels;       ///< subdivisions; absent: until the mean edge is <= 2 voxels
-  BoundaryChoice boundary{};
-  Sampling sampling = Sampling::Collocated;
-  Reconstruction reconstruction = Reconstruction::Limit;
-  std::string target = "openvdb";
-  BakeMethod method = BakeMethod::Auto;
-  bool half = false;
-  bool project = false;  ///< replace 1- and 2-forms that are not closed by the nearest closed ones
-  std::optional<std::pair<int, int>> frames;  ///< first and last; absent: all that the forms have
-  double zeta = kDefaultZeta;
-  ProgressCallback progress{};
-};
 
 /// One file of a bake.
 struct BakedFile {
@@ -57,5 +28,26 @@ struct BakeReport {
 /// refined once.
 /// @throws InputError, IoError, Cancelled; files finished before stay, the one in work does not.
 BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path);
+
+/// What a bake would do: one file of it.
+struct PlannedFile {
+  std::string path;
+  std::optional<int> frame;
+  std::vector<BakePlan> grids;
+};
+
+/// What a bake would do.
+struct BakeForecast {
+  ResolutionPlan resolution;
+  double memory = 0;  ///< of the machine, bytes
+  std::string note;   ///< what the target's importer has to do
+  std::vector<PlannedFile> files;
+};
+
+/// Plans a bake and writes nothing: potentials are looked for and forms projected, but the mesh is
+/// refined just once, so that the size of cells is foreseen instead of measured.
+/// @throws InputError as bake() does before it refines, but for memory: the forecast tells
+BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
+                         const std::string& path);
 
 }  // namespace octet

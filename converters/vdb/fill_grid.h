@@ -5,7 +5,7 @@
 
 #include <openvdb/openvdb.h>
 
-#include <octet/core/field/rasterizer.h>
+#include <octet/core/raster/rasterizer.h>
 
 #include "vdb_file.h"
 

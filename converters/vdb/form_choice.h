@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bake.h"
+#include "../control_asset/control_asset.h"
+#include "bake_options.h"
+#include "targets.h"
 
 namespace octet {
 

@@ -27,9 +27,4 @@ const Target& findTarget(const std::string& name) {
   throw InputError("target", "\"" + name + "\" is none of " + names);
 }
 
-Vec3 changeUpAxis(const Vec3& v, char from, char to) {
-  if (to == 0 || from == to) return v;
-  return from == 'Z' ? Vec3(v[0], v[2], -v[1]) : Vec3(v[0], -v[2], v[1]);
-}
-
 }  // namespace octet

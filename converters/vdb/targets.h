@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <octet/core/base/types.h>
-
 namespace octet {
 
 /// @brief What a renderer or DCC tool expects of a .vdb (converters/README.md, "Targets"). The
@@ -24,8 +22,5 @@ const std::vector<Target>& targets();
 
 /// @throws InputError listing the names there are.
 const Target& findTarget(const std::string& name);
-
-/// Turns vectors and positions from one up axis to another: 'Z' to 'Y' is (x, y, z) -> (x, z, -y).
-Vec3 changeUpAxis(const Vec3& v, char from, char to);
 
 }  // namespace octet

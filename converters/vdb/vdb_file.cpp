@@ -10,13 +10,16 @@
 
 #include <openvdb/openvdb.h>
 
-#include <octet/core/hodge/flux_rasterizer.h>
+#include <octet/core/raster/difference_rasterizer.h>
+#include <octet/core/raster/flux_rasterizer.h>
+#include <octet/core/raster/rasterizer.h>
 #include <octet/version.h>
 
 #include "../io/atomic_file.h"
 #include "fill_grid.h"
 #include "measure_grid.h"
 #include "vdb_input.h"
+#include "wording.h"
 
 namespace octet {
 namespace {
@@ -192,7 +195,7 @@ void label(const VdbGridSpec& spec, openvdb::GridBase* grid) {
 
 /// Labels a vector grid, with how it was made and its certificate.
 /// @param sampled  how many voxels hold samples, where others hold values of the method
-VdbGridInfo finish(const VdbGridSpec& spec, const std::string& method, std::uint64_t sampled,
+VdbGridInfo finish(const VdbGridSpec& spec, GridMethod method, std::uint64_t sampled,
                    openvdb::Vec3SGrid* grid) {
   label(spec, grid);
   grid->setVectorType(spec.vectorType == VdbGridSpec::VectorType::Covariant
@@ -200,9 +203,9 @@ VdbGridInfo finish(const VdbGridSpec& spec, const std::string& method, std::uint
                           : openvdb::VEC_CONTRAVARIANT_RELATIVE);
   const std::string sampling = spec.sampling == Sampling::Staggered ? "staggered" : "collocated";
   addMetadata(grid, {{kSamplingMetadata, sampling},
-                     {"octet_method", method},
+                     {"octet_method", std::string(methodName(method))},
                      {"octet_sampled_voxels", static_cast<double>(sampled)}});
-  if (!spec.note.empty()) addMetadata(grid, {{"octet_note", spec.note}});
+  if (!spec.reasons.empty()) addMetadata(grid, {{"octet_note", words(spec.reasons)}});
   const Certificate certificate = measureGrid(*grid);
   addMetadata(grid, toMetadata(certificate));
   VdbGridInfo info = describe(*grid);
@@ -210,7 +213,7 @@ VdbGridInfo finish(const VdbGridSpec& spec, const std::string& method, std::uint
   info.certificate = certificate;
   info.method = method;
   info.sampledVoxels = sampled;
-  info.note = spec.note;
+  info.reasons = spec.reasons;
   return info;
 }
 
@@ -233,7 +236,7 @@ VdbGridInfo VdbFile::add(const VectorField& field, const VdbGridSpec& spec,
       },
       spec);
   grids_->list.push_back(grid);
-  return finish(spec, "samples", grid->activeVoxelCount(), grid.get());
+  return finish(spec, GridMethod::Samples, grid->activeVoxelCount(), grid.get());
 }
 
 VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
@@ -244,7 +247,7 @@ VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
       },
       spec);
   grids_->list.push_back(grid);
-  return finish(spec, "circulations", 0, grid.get());
+  return finish(spec, GridMethod::Circulations, 0, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const MeanFluxField& field, const VdbGridSpec& spec,
@@ -262,8 +265,8 @@ VdbGridInfo VdbFile::add(const MeanFluxField& field, const VdbGridSpec& spec,
       },
       spec, grid.get());
   grids_->list.push_back(grid);
-  return finish(spec, replaced ? "circulations" : "samples", grid->activeVoxelCount() - replaced,
-                grid.get());
+  return finish(spec, replaced ? GridMethod::Circulations : GridMethod::Samples,
+                grid->activeVoxelCount() - replaced, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
@@ -274,7 +277,7 @@ VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
       },
       spec);
   grids_->list.push_back(grid);
-  return finish(spec, "differences", 0, grid.get());
+  return finish(spec, GridMethod::Differences, 0, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
@@ -289,7 +292,7 @@ VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
   label(spec, grid.get());
   VdbGridInfo info = describe(*grid);
   measureRange<openvdb::FloatGrid>(*grid, &info);
-  info.note = spec.note;
+  info.reasons = spec.reasons;
   return info;
 }
 

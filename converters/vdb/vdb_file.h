@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include <octet/core/field/field.h>
-#include <octet/core/field/rasterizer.h>
+#include <octet/core/field/gradient_field.h>
 #include <octet/core/hodge/potential_field.h>
+#include <octet/core/raster/rasterizer.h>
 
+#include "bake_reason.h"
 #include "certificate.h"
-#include "gradient_field.h"
 
 namespace octet {
 
@@ -26,8 +26,8 @@ struct VdbGridSpec {
   GridFrame frame;                                            ///< where samples are taken
   Vec3 shift = Vec3::Zero();  ///< by which the written transform differs from the frame
   Sampling sampling = Sampling::Collocated;
-  bool half = false;  ///< save as 16-bit floats
-  std::string note;   ///< what there is to say about how a vector grid was made
+  bool half = false;                ///< save as 16-bit floats
+  std::vector<BakeReason> reasons;  ///< for how a vector grid is made
   std::vector<VdbMetadata> metadata;
 };
 
@@ -49,10 +49,9 @@ struct VdbGridInfo {
   std::array<std::int32_t, 3> indexMin{}, indexMax{};
   bool half = false;
   std::vector<VdbMetadata> metadata;
-  std::string method;  ///< how a vector grid was made: "circulations", "differences", "samples"
-  std::uint64_t sampledVoxels =
-      0;             ///< active voxels of a vector grid that hold samples all the same
-  std::string note;  ///< what there is to say about that
+  GridMethod method = GridMethod::None;    ///< how a vector grid was made
+  std::uint64_t sampledVoxels = 0;         ///< active voxels that hold samples all the same
+  std::vector<BakeReason> reasons;         ///< for that
   std::optional<Certificate> certificate;  ///< of a vector grid that was just made
 };
 
@@ -74,7 +73,7 @@ class VdbFile {
   /// What is active is what samples alone would make active.
   VdbGridInfo add(const MeanFluxField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});
-  /// Differences of a potential, with a discrete curl of zero (gradient_field.h).
+  /// Differences of a potential, with a discrete curl of zero (difference_rasterizer.h).
   VdbGridInfo add(const GradientField& field, const VdbGridSpec& spec,
                   const ProgressCallback& progress = {});
   VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec,

@@ -9,9 +9,9 @@
 #include <octet/core/base/parallel.h>
 #include <octet/core/field/field.h>
 #include <octet/core/forms/coboundary.h>
+#include <octet/core/forms/composite_de_rham.h>
 
 #include "../control_asset/refined_document.h"
-#include "composite_de_rham.h"
 
 namespace octet {
 namespace {

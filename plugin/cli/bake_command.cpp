@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <octet/converters/vdb/bake.h>
+#include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
 #include "../boundary_choices.h"
@@ -21,7 +22,7 @@ namespace {
 struct Arguments {
   std::string control, output, levels = "auto";
   std::optional<std::string> frames;
-  bool json = false;
+  bool json = false, dryRun = false;
   BakeOptions options;
 };
 
@@ -61,11 +62,11 @@ std::string checkPositive(const std::string& text) {
   return positive ? "" : "\"" + text + "\" is not a positive number";
 }
 
-/// An error of the asset as a whole has no place, but it has a file.
-BakeReport bakeFrom(const std::string& control, const ControlAsset& asset,
-                    const BakeOptions& options, const std::string& path) {
+/// Does something with an asset. An error of it as a whole has no place, but it has a file.
+template <typename Do>
+auto withFile(const std::string& control, const Do& work) {
   try {
-    return bake(asset, options, path);
+    return work();
   } catch (const InputError& e) {
     throw e.file().empty() && e.place().empty() ? e.inFile(control) : e;
   }
@@ -84,18 +85,18 @@ nlohmann::ordered_json toJson(const VdbGridInfo& grid) {
                                    {"min", grid.min},
                                    {"max", grid.max},
                                    {"half", grid.half}};
-  if (!grid.method.empty()) {
-    result["method"] = grid.method;
+  if (grid.method != GridMethod::None) {
+    result["method"] = methodName(grid.method);
     result["sampled_voxels"] = grid.sampledVoxels;
   }
-  if (!grid.note.empty()) result["note"] = grid.note;
+  if (!grid.reasons.empty()) result["note"] = words(grid.reasons);
   if (grid.certificate) result["certificate"] = cli::toJson(*grid.certificate);
   return result;
 }
 
 /// Of a grid of another method: "", or how many of its voxels are sampled.
 std::string shareOfSamples(const VdbGridInfo& grid) {
-  if (grid.sampledVoxels == 0 || grid.method == "samples") return "";
+  if (grid.sampledVoxels == 0 || grid.method == GridMethod::Samples) return "";
   return ", samples in " + percent(grid.sampledVoxels, grid.activeVoxels) +
          " of the voxels, near the boundary";
 }
@@ -126,9 +127,9 @@ void print(const BakeReport& report, double seconds, bool json) {
                   grid.type.c_str(), grid.half ? " (half)" : "",
                   grouped(static_cast<std::int64_t>(grid.activeVoxels)).c_str(),
                   grid.vectorType.empty() ? "value" : "length", grid.min, grid.max);
-      if (!grid.method.empty()) {
-        std::printf("    from %s%s%s%s\n", grid.method.c_str(), shareOfSamples(grid).c_str(),
-                    grid.note.empty() ? "" : "; ", grid.note.c_str());
+      if (grid.method != GridMethod::None) {
+        std::printf("    from %s%s%s%s\n", methodName(grid.method), shareOfSamples(grid).c_str(),
+                    grid.reasons.empty() ? "" : "; ", words(grid.reasons).c_str());
       }
       if (grid.certificate) printCertificate(*grid.certificate, "    ");
     }
@@ -137,15 +138,90 @@ void print(const BakeReport& report, double seconds, bool json) {
   std::printf("%.2f s\n", seconds);
 }
 
+const char* name(Sampling sampling) {
+  return sampling == Sampling::Staggered ? "staggered" : "collocated";
+}
+const char* name(Reconstruction reconstruction) {
+  return reconstruction == Reconstruction::Limit ? "limit" : "whitney";
+}
+
+nlohmann::ordered_json toJson(const BakePlan& plan, const BakeOptions& options) {
+  nlohmann::ordered_json result = {{"name", plan.grid},
+                                   {"form", plan.form},
+                                   {"degree", plan.degree},
+                                   {"boundary", boundaryWord(options.boundary, plan.mode)},
+                                   {"reconstruction", name(plan.reconstruction)}};
+  if (plan.method == GridMethod::None) return result;
+  result["method"] = methodName(plan.method);
+  result["grid"] = name(plan.sampling);
+  result["reasons"] = nlohmann::ordered_json::array();
+  for (const BakeReason& reason : plan.reasons) {
+    result["reasons"].push_back({{"reason", reasonName(reason)}, {"note", words(reason)}});
+  }
+  return result;
+}
+
+void printJson(const BakeForecast& forecast, const BakeOptions& options) {
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  for (const PlannedFile& file : forecast.files) {
+    nlohmann::ordered_json entry = {{"path", file.path}};
+    if (file.frame) entry["frame"] = *file.frame;
+    entry["grids"] = nlohmann::ordered_json::array();
+    for (const BakePlan& plan : file.grids) entry["grids"].push_back(toJson(plan, options));
+    files.push_back(std::move(entry));
+  }
+  const ResolutionPlan& r = forecast.resolution;
+  std::cout << text({{"levels", r.levels},
+                     {"cells", std::llround(r.cells)},
+                     {"voxel_size", r.voxelSize},
+                     {"mean_edge", r.fineEdge},
+                     {"bytes", std::llround(r.bytes)},
+                     {"memory", std::llround(forecast.memory)},
+                     {"note", forecast.note},
+                     {"files", std::move(files)}})
+            << "\n";
+}
+
+void print(const BakeForecast& forecast, const BakeOptions& options) {
+  const ResolutionPlan& r = forecast.resolution;
+  std::printf("%d levels, about %s cells, mean edge %.4g, voxel %.4g\n", r.levels,
+              grouped(std::llround(r.cells)).c_str(), r.fineEdge, r.voxelSize);
+  std::printf("needs up to %.2g of %.2g GB of memory\n", r.bytes / 1e9, forecast.memory / 1e9);
+  for (const PlannedFile& file : forecast.files) {
+    std::printf("%s\n", file.path.c_str());
+    for (const BakePlan& plan : file.grids) {
+      std::printf("  %s  from form %s, %s, %s boundary\n", plan.grid.c_str(), plan.form.c_str(),
+                  name(plan.reconstruction), boundaryWord(options.boundary, plan.mode));
+      if (plan.method == GridMethod::None) continue;
+      std::printf("    %s from %s%s%s\n", name(plan.sampling), methodName(plan.method),
+                  plan.reasons.empty() ? "" : "; ", words(plan.reasons).c_str());
+    }
+  }
+  if (!forecast.note.empty()) std::printf("note: %s\n", forecast.note.c_str());
+}
+
+void foresee(const Arguments& arguments) {
+  const ControlAsset asset = readAsset(arguments.control);
+  const BakeForecast forecast = withFile(
+      arguments.control, [&] { return foreseeBake(asset, arguments.options, arguments.output); });
+  if (arguments.json) {
+    printJson(forecast, arguments.options);
+  } else {
+    print(forecast, arguments.options);
+  }
+}
+
 void run(Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   BakeOptions& options = arguments.options;
   options.levels = parseLevels(arguments.levels);
   if (arguments.frames) options.frames = parseFrames(*arguments.frames);
   options.progress = consoleProgress();
+  if (arguments.dryRun) return foresee(arguments);
   checkOutput(arguments.control, arguments.output);
   const ControlAsset asset = readAsset(arguments.control);
-  const BakeReport report = bakeFrom(arguments.control, asset, options, arguments.output);
+  const BakeReport report =
+      withFile(arguments.control, [&] { return bake(asset, options, arguments.output); });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(report, seconds, arguments.json);
@@ -212,6 +288,8 @@ void addBake(CLI::App* program) {
   command->add_option("--frames", arguments->frames, "Frames A-B of an animated asset");
   command->add_option("--zeta", options.zeta, "Free weight of the octahedron's linear rule")
       ->capture_default_str();
+  command->add_flag("--dry-run", arguments->dryRun,
+                    "Say what would be baked and why so, and write nothing");
   command->add_flag("--json", arguments->json, "Print a machine-readable summary");
   command->callback([arguments] { run(*arguments); });
 }

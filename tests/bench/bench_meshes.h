@@ -2,7 +2,7 @@
 #pragma once
 
 #include <octet/core/field/limit.h>
-#include <octet/core/field/rasterizer.h>
+#include <octet/core/raster/rasterizer.h>
 #include <octet/core/refine/refiner.h>
 
 #include "tests/support/meshes.h"

@@ -11,7 +11,7 @@
 #include <octet/core/field/field.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/de_rham.h>
-#include <octet/core/hodge/flux_rasterizer.h>
+#include <octet/core/raster/flux_rasterizer.h>
 #include <octet/core/topology/domain_box.h>
 #include <octet/core/topology/mean_edge.h>
 

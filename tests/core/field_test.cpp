@@ -8,7 +8,7 @@
 #include <tbb/global_control.h>
 
 #include <octet/core/field/field.h>
-#include <octet/core/field/rasterizer.h>
+#include <octet/core/raster/rasterizer.h>
 #include <octet/core/field/whitney.h>
 #include <octet/core/forms/de_rham.h>
 

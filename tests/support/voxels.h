@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 
-#include <octet/core/field/rasterizer.h>
+#include <octet/core/raster/rasterizer.h>
 
 namespace octet::testing {
 

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <octet/converters/vdb/bake.h>
+#include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
 #include "bindings.h"
@@ -69,12 +70,15 @@ void bindGridInfo(py::module_& module) {
       .def_readonly("index_max", &VdbGridInfo::indexMax, "Highest active index, three integers.")
       .def_readonly("half", &VdbGridInfo::half, "Stored as 16-bit floats?")
       .def_property_readonly("metadata", &metadataOf, "The grid's metadata as a dict.")
-      .def_readonly("method", &VdbGridInfo::method,
-                    "How a vector grid was baked: \"circulations\", \"differences\" or "
-                    "\"samples\".")
+      .def_property_readonly(
+          "method", [](const VdbGridInfo& g) { return methodName(g.method); },
+          "How a vector grid was baked: \"circulations\", \"differences\" or "
+          "\"samples\".")
       .def_readonly("sampled_voxels", &VdbGridInfo::sampledVoxels,
                     "Active voxels of a vector grid that hold samples whatever the method.")
-      .def_readonly("note", &VdbGridInfo::note, "What there is to say about that.")
+      .def_property_readonly(
+          "note", [](const VdbGridInfo& g) { return words(g.reasons); },
+          "What there is to say about that.")
       .def_readonly("certificate", &VdbGridInfo::certificate,
                     "A Certificate, of a vector grid that was just baked; else None.")
       .def("__repr__", [](const VdbGridInfo& g) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../field/rasterizer.h"
-#include "potential_field.h"
+#include "../base/progress.h"
+#include "../hodge/potential_field.h"
+#include "tile.h"
 
 namespace octet {
 
@@ -21,9 +22,8 @@ namespace octet {
 /// @param sink  called once per tile with an active sample or a value, from any thread, in no
 ///              particular order; the same tiles for any number of threads
 /// @throws InputError, Cancelled as rasterize()
-void rasterizeFluxes(const PotentialField& field, const GridFrame& frame,
-                     const std::function<void(const Tile<3>&)>& sink, const std::string& stage = "",
-                     const ProgressCallback& progress = {});
+void rasterizeFluxes(const PotentialField& field, const GridFrame& frame, const TileSink<3>& sink,
+                     const std::string& stage = "", const ProgressCallback& progress = {});
 
 /// @brief The same for a collocated grid and central differences: component c at ijk is the mean
 /// over the square of 2 x 2 voxels around ijk across c, and of these means, which cancel around
@@ -31,8 +31,8 @@ void rasterizeFluxes(const PotentialField& field, const GridFrame& frame,
 /// these squares lie inside.
 /// @param neighbours  weight of each neighbour: 0 to 1/6
 void rasterizeMeanFluxes(const PotentialField& field, const GridFrame& frame, double neighbours,
-                         const std::function<void(const Tile<3>&)>& sink,
-                         const std::string& stage = "", const ProgressCallback& progress = {});
+                         const TileSink<3>& sink, const std::string& stage = "",
+                         const ProgressCallback& progress = {});
 
 /// @brief The weight with which mean fluxes are nearest to the limit of refinement.
 ///

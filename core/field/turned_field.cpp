@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "turned_field.h"
 
-#include <octet/core/base/parallel.h>
+#include "../base/parallel.h"
 
 namespace octet {
 namespace {
@@ -39,6 +39,11 @@ class TurnedSource : public PieceSource<C> {
 };
 
 }  // namespace
+
+Vec3 AxisTurn::operator()(const Vec3& v) const {
+  if (!changes()) return v;
+  return from == 'Z' ? Vec3(v[0], v[2], -v[1]) : Vec3(v[0], -v[2], v[1]);
+}
 
 Array<Vec3> AxisTurn::operator()(Array<Vec3> vectors) const {
   if (!changes()) return vectors;

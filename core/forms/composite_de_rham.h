@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <octet/core/forms/de_rham.h>
+#include "de_rham.h"
 
 namespace octet {
 

@@ -4,23 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/enumerable_thread_specific.h>
-
-#include "../field/block_bins.h"
-#include "../field/piece.h"
-#include "edge_circulations.h"
+#include "../hodge/edge_circulations.h"
+#include "patch_loop.h"
 
 namespace octet {
 namespace {
 
 using Int = GridIndex;
-constexpr int kTile = Tile<3>::kWidth, kPatch = kPatchTiles * kTile;
+constexpr int kTile = Tile<3>::kWidth, kPatch = kPatchSamples;
 /// An edge this nearly covered by cells, per length, lies wholly inside the domain.
 constexpr double kCovered = 1 - 1e-6;
 /// Less than this is none.
 constexpr double kUncovered = 1e-6;
-constexpr double kLargestIndex = 1 << 30;
-constexpr std::size_t kReports = 100, kFewestBlocks = 256;
 /// Voxels by which an edge reaches beyond the samples that need it.
 constexpr double kReach = 2;
 /// The lattice is moved by this many voxels against the mesh, so that no edge lies in a facet
@@ -99,7 +94,7 @@ class EdgePatch {
   /// Calls fill(corner of a voxel, its number in the tile) for the voxels of every tile of the
   /// patch, which puts values into tile_ and tells whether the voxel is active.
   template <typename Fill>
-  void visitTiles(const Fill& fill, const std::function<void(const Tile<3>&)>& sink) {
+  void visitTiles(const Fill& fill, const TileSink<3>& sink) {
     for (int t = 0; t < kPatchTiles * kPatchTiles * kPatchTiles; ++t) {
       const Corner at = {t / (kPatchTiles * kPatchTiles), t / kPatchTiles % kPatchTiles,
                          t % kPatchTiles};
@@ -138,7 +133,7 @@ class FacePatch : public EdgePatch {
   FacePatch(const PotentialField& field, const GridFrame& frame)
       : EdgePatch(field, frame, /*margin=*/1, /*before=*/0.5) {}
 
-  void finish(const std::function<void(const Tile<3>&)>& sink) {
+  void finish(const TileSink<3>& sink) {
     if (!edges_.used()) return;
     visitTiles([&](const Corner& c, int n) { return fill(c, n); }, sink);
   }
@@ -178,7 +173,7 @@ class MeanPatch : public EdgePatch {
         neighbours_(neighbours),
         squares_(static_cast<std::size_t>(kSquares) * kSquares * kSquares) {}
 
-  void finish(const std::function<void(const Tile<3>&)>& sink) {
+  void finish(const TileSink<3>& sink) {
     if (!edges_.used()) return;
     measureSquares();
     visitTiles([&](const Corner& c, int n) { return fill(c, n); }, sink);
@@ -236,60 +231,31 @@ class MeanPatch : public EdgePatch {
   std::vector<Squares> squares_;
 };
 
-/// Tiles with a sample that edges through a box could belong to.
-IndexBox tilesOfBox(const Box& box, const GridFrame& frame) {
-  IndexBox tiles;
-  for (int k = 0; k < 3; ++k) {
-    const double low = (box.min[k] - frame.origin[k]) / frame.voxelSize - kReach;
-    const double high = (box.max[k] - frame.origin[k]) / frame.voxelSize + kReach;
-    if (!(std::abs(low) < kLargestIndex && std::abs(high) < kLargestIndex)) {
-      throw InputError("voxel size", "is so small that the grid needs more than 2^30 voxels");
-    }
-    tiles.min[k] = floorDivide(static_cast<Int>(std::floor(low)), kTile);
-    tiles.max[k] = floorDivide(static_cast<Int>(std::ceil(high)), kTile);
-  }
-  return tiles;
-}
-
 /// Fills patch after patch. @param makePatch  for each thread that needs one
-template <typename Patch, typename MakePatch>
+template <typename MakePatch>
 void rasterizePatches(const PotentialField& field, const GridFrame& frame,
-                      const MakePatch& makePatch, const std::function<void(const Tile<3>&)>& sink,
-                      const std::string& stage, const ProgressCallback& progress) {
-  if (!(frame.voxelSize > 0) || !std::isfinite(frame.voxelSize)) {
-    throw InputError("voxel size", "is not a positive number");
-  }
+                      const MakePatch& makePatch, const TileSink<3>& sink, const std::string& stage,
+                      const ProgressCallback& progress) {
+  checkVoxelSize(frame);
   Box bounds;
   for (const Vec3& p : field.positions()) bounds.extend(p);
   if (bounds.empty()) return;
+  // Tiles with a sample that edges through a box could belong to.
+  const auto tilesOfBox = [&](const Box& box) {
+    const Vec3 low = inVoxels(box.min, frame).array() - kReach;
+    const Vec3 high = inVoxels(box.max, frame).array() + kReach;
+    return tilesOfSamples(low.array().floor(), high.array().ceil());
+  };
   const Complex& c = field.complex();
-  const BlockBins blocks(c.cellCount(), tilesOfBox(bounds, frame), [&](Index cell) {
+  const auto tilesOfCell = [&](Index cell) {
     Box box;
     for (int i = 0; i < c.cellVertexCount(cell); ++i) {
       box.extend(field.positions()[c.cellVertex(cell, i)]);
     }
-    return tilesOfBox(box, frame);
-  });
-  tbb::enumerable_thread_specific<Patch> patches(makePatch);
-  const auto fillBlock = [&](std::size_t block) {
-    if (blocks.begin(block) == blocks.end(block)) return;
-    Patch& patch = patches.local();
-    blocks.visitPatches(block, [&](const std::array<Int, 3>& tile) {
-      patch.begin(tile);
-      for (const Index* cell = blocks.begin(block); cell != blocks.end(block); ++cell) {
-        patch.paint(*cell);
-      }
-      patch.finish(sink);
-    });
+    return tilesOfBox(box);
   };
-  const std::size_t atOnce = std::max(kFewestBlocks, blocks.blockCount() / kReports);
-  for (std::size_t block = 0; block < blocks.blockCount(); block += atOnce) {
-    reportProgress(progress, {stage, block, blocks.blockCount(), "blocks"});
-    parallelFor<std::size_t>(
-        std::min(atOnce, blocks.blockCount() - block), [&](std::size_t k) { fillBlock(block + k); },
-        1);
-  }
-  reportProgress(progress, {stage, blocks.blockCount(), blocks.blockCount(), "blocks"});
+  fillPatches<3>({c.cellCount(), tilesOfBox(bounds), tilesOfCell}, makePatch, sink, stage,
+                 progress);
 }
 
 /// How much of its Laplacian is added to a velocity. By the limit on the lattice, times the edge
@@ -306,17 +272,16 @@ constexpr double kMostNeighbours = 1.0 / 6;
 
 }  // namespace
 
-void rasterizeFluxes(const PotentialField& field, const GridFrame& frame,
-                     const std::function<void(const Tile<3>&)>& sink, const std::string& stage,
-                     const ProgressCallback& progress) {
-  rasterizePatches<FacePatch>(
+void rasterizeFluxes(const PotentialField& field, const GridFrame& frame, const TileSink<3>& sink,
+                     const std::string& stage, const ProgressCallback& progress) {
+  rasterizePatches(
       field, frame, [&] { return FacePatch(field, frame); }, sink, stage, progress);
 }
 
 void rasterizeMeanFluxes(const PotentialField& field, const GridFrame& frame, double neighbours,
-                         const std::function<void(const Tile<3>&)>& sink, const std::string& stage,
+                         const TileSink<3>& sink, const std::string& stage,
                          const ProgressCallback& progress) {
-  rasterizePatches<MeanPatch>(
+  rasterizePatches(
       field, frame, [&] { return MeanPatch(field, frame, neighbours); }, sink, stage, progress);
 }
 

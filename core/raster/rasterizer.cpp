@@ -4,26 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/enumerable_thread_specific.h>
-
-#include "../base/parallel.h"
 #include "../topology/domain_box.h"
-#include "block_bins.h"
+#include "patch_loop.h"
 
 namespace octet {
 namespace {
 
-constexpr int kTile = 8, kInTile = kTile - 1;
-constexpr int kPatch = kPatchTiles * kTile;
-/// Progress is reported about this often, and for no fewer blocks at once than these.
-constexpr std::size_t kReports = 100, kFewestBlocks = 256;
+constexpr int kTile = Tile<1>::kWidth, kInTile = kTile - 1;
+constexpr int kPatch = kPatchSamples;
 /// Boxes are widened by this many voxels, so that samples on facets are found from both sides.
 constexpr double kMargin = 1e-7;
 /// A barycentric coordinate that grows less than this per voxel along z is taken as growing this
 /// much; along a patch that is much less than kSharedFacetTolerance.
 constexpr double kSteepest = 1e-12;
-/// Largest grid index in any direction.
-constexpr double kLargestIndex = 1 << 30;
 
 using Int = GridIndex;
 
@@ -93,8 +86,9 @@ class Columns {
 template <int C>
 class PatchPainter {
  public:
-  PatchPainter(const GridFrame& frame, Sampling sampling)
-      : perVoxel_(1 / frame.voxelSize),
+  PatchPainter(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling)
+      : source_(source),
+        perVoxel_(1 / frame.voxelSize),
         origin_(frame.origin),
         sampling_(sampling),
         tiles_(kPatchTiles * kPatchTiles * kPatchTiles) {}
@@ -105,6 +99,22 @@ class PatchPainter {
     used_.fill(false);
   }
 
+  void paint(Index cell) {
+    const typename PieceSource<C>::Filter wanted = [this](const Box& box) { return wants(box); };
+    const typename PieceSource<C>::Sink paint = [this](const Piece<C>& piece) {
+      paintPiece(piece);
+    };
+    source_.visitPieces(cell, wanted, paint);
+  }
+
+  /// Hands out the tiles that hold something.
+  void finish(const TileSink<C>& sink) const {
+    for (std::size_t k = 0; k < tiles_.size(); ++k) {
+      if (used_[k]) sink(tiles_[k]);
+    }
+  }
+
+ private:
   /// Does a box hold any of the patch' samples?
   bool wants(const Box& box) const {
     const Vec3 low = inPatch(box.min), high = inPatch(box.max);
@@ -117,7 +127,7 @@ class PatchPainter {
     return false;
   }
 
-  void paint(const Piece<C>& piece) {
+  void paintPiece(const Piece<C>& piece) {
     std::array<Vec3, 4> p;
     for (int i = 0; i < 4; ++i) p[i] = inPatch(piece.points[i]);
     const Barycentric lambda(p);
@@ -140,14 +150,6 @@ class PatchPainter {
     }
   }
 
-  /// Hands out the tiles that hold something.
-  void finish(const std::function<void(const Tile<C>&)>& sink) const {
-    for (std::size_t k = 0; k < tiles_.size(); ++k) {
-      if (used_[k]) sink(tiles_[k]);
-    }
-  }
-
- private:
   /// value + slope (x - origin of the barycentric coordinates)
   struct Linear {
     typename Piece<C>::Value value;
@@ -232,6 +234,7 @@ class PatchPainter {
     return tile;
   }
 
+  const PieceSource<C>& source_;
   const double perVoxel_;
   const Vec3 origin_;
   const Sampling sampling_;
@@ -244,67 +247,26 @@ class PatchPainter {
 
 template <int C>
 void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
-               const std::function<void(const Tile<C>&)>& sink, const std::string& stage,
+               const TileSink<C>& sink, const std::string& stage,
                const ProgressCallback& progress) {
-  if (!(frame.voxelSize > 0) || !std::isfinite(frame.voxelSize)) {
-    throw InputError("voxel size", "is not a positive number");
-  }
+  checkVoxelSize(frame);
   const double after = sampling == Sampling::Staggered ? 0.5 : 0.0;
   const auto tilesOfBox = [&](const Box& box) {
-    IndexBox tiles;
-    for (int k = 0; k < 3; ++k) {
-      const double low = (box.min[k] - frame.origin[k]) / frame.voxelSize - kMargin;
-      const double high = (box.max[k] - frame.origin[k]) / frame.voxelSize + after + kMargin;
-      if (!(std::abs(low) < kLargestIndex && std::abs(high) < kLargestIndex)) {
-        throw InputError("voxel size", "is so small that the grid needs more than 2^30 voxels");
-      }
-      const Int from = static_cast<Int>(std::ceil(low)), to = static_cast<Int>(std::floor(high));
-      tiles.min[k] = floorDivide(from, kTile);
-      tiles.max[k] = from > to ? tiles.min[k] - 1 : floorDivide(to, kTile);
-    }
-    return tiles;
+    const Vec3 low = inVoxels(box.min, frame).array() - kMargin;
+    const Vec3 high = inVoxels(box.max, frame).array() + after + kMargin;
+    return tilesOfSamples(low.array().ceil(), high.array().floor());
   };
   const Box bounds = domainBox(source.complex(), source.positions());
   if (bounds.empty()) return;
-  const IndexBox all = tilesOfBox(bounds);
-  if (all.empty()) return;
-  const BlockBins blocks(source.complex().cellCount(), all,
-                         [&](Index cell) { return tilesOfBox(source.cellBox(cell)); });
-
-  tbb::enumerable_thread_specific<PatchPainter<C>> painters(
-      [&] { return PatchPainter<C>(frame, sampling); });
-  const auto fillBlock = [&](std::size_t block) {
-    if (blocks.begin(block) == blocks.end(block)) return;
-    PatchPainter<C>& painter = painters.local();
-    const typename PieceSource<C>::Filter wanted = [&painter](const Box& box) {
-      return painter.wants(box);
-    };
-    const typename PieceSource<C>::Sink paint = [&painter](const Piece<C>& piece) {
-      painter.paint(piece);
-    };
-    blocks.visitPatches(block, [&](const std::array<Int, 3>& tile) {
-      painter.begin(tile);
-      for (const Index* cell = blocks.begin(block); cell != blocks.end(block); ++cell) {
-        source.visitPieces(*cell, wanted, paint);
-      }
-      painter.finish(sink);
-    });
-  };
-  const std::size_t atOnce = std::max(kFewestBlocks, blocks.blockCount() / kReports);
-  for (std::size_t block = 0; block < blocks.blockCount(); block += atOnce) {
-    reportProgress(progress, {stage, block, blocks.blockCount(), "blocks"});
-    parallelFor<std::size_t>(
-        std::min(atOnce, blocks.blockCount() - block), [&](std::size_t k) { fillBlock(block + k); },
-        1);
-  }
-  reportProgress(progress, {stage, blocks.blockCount(), blocks.blockCount(), "blocks"});
+  const CellTiles cells{source.complex().cellCount(), tilesOfBox(bounds),
+                        [&](Index cell) { return tilesOfBox(source.cellBox(cell)); }};
+  const auto makePatch = [&] { return PatchPainter<C>(source, frame, sampling); };
+  fillPatches<C>(cells, makePatch, sink, stage, progress);
 }
 
-template void rasterize<1>(const PieceSource<1>&, const GridFrame&, Sampling,
-                           const std::function<void(const Tile<1>&)>&, const std::string&,
-                           const ProgressCallback&);
-template void rasterize<3>(const PieceSource<3>&, const GridFrame&, Sampling,
-                           const std::function<void(const Tile<3>&)>&, const std::string&,
-                           const ProgressCallback&);
+template void rasterize<1>(const PieceSource<1>&, const GridFrame&, Sampling, const TileSink<1>&,
+                           const std::string&, const ProgressCallback&);
+template void rasterize<3>(const PieceSource<3>&, const GridFrame&, Sampling, const TileSink<3>&,
+                           const std::string&, const ProgressCallback&);
 
 }  // namespace octet

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <octet/core/field/field.h>
-
-#include "targets.h"
+#include "field.h"
 
 namespace octet {
 
-/// From an asset's up axis to a target's.
+/// Turns vectors and positions from one up axis, 'Y' or 'Z', to another: 'Z' to 'Y' is
+/// (x, y, z) -> (x, z, -y).
 struct AxisTurn {
   char from = 'Z', to = 'Z';
 
   bool changes() const { return from != to; }
-  Vec3 operator()(const Vec3& v) const { return changeUpAxis(v, from, to); }
-  /// Of vectors or positions.
+  Vec3 operator()(const Vec3& v) const;
+  /// Turns many.
   Array<Vec3> operator()(Array<Vec3> vectors) const;
 };
 
-/// A field whose positions, and values when they are vectors, are turned on the way.
+/// Makes a field whose positions, and values when they are vectors, are turned on the way.
 /// @param complex  that of the field's source
 template <int C>
 Field<C> turnedField(const Field<C>& field, std::shared_ptr<const Complex> complex,

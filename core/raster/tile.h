@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../base/progress.h"
-#include "piece_source.h"
+#include <array>
+#include <cstdint>
+#include <functional>
+
+#include "../base/types.h"
 
 namespace octet {
 
@@ -30,17 +33,8 @@ struct Tile {
   bool isActive(int n) const { return active[n >> 6] >> (n & 63) & 1u; }
 };
 
-/// @brief Samples a field on a grid, tile by tile, in parallel: cells are binned to the tiles they
-/// meet, and every tile is filled by one task, cells in ascending order, so that the result does
-/// not depend on threads.
-///
-/// @param sink  called once per tile with at least one active sample, from any thread, in no
-///              particular order
-/// @param progress  counts tiles; called from the calling thread
-/// @throws InputError when the grid needs indices beyond 2^30, Cancelled
+/// Takes tiles, each once.
 template <int C>
-void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
-               const std::function<void(const Tile<C>&)>& sink, const std::string& stage = "",
-               const ProgressCallback& progress = {});
+using TileSink = std::function<void(const Tile<C>&)>;
 
 }  // namespace octet

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake_plan.h"
+
+#include <cmath>
+
+#include <octet/core/base/error.h>
+#include <octet/core/raster/flux_rasterizer.h>
+
+#include "targets.h"
+#include "wording.h"
+
+namespace octet {
+namespace {
+
+/// Automatic levels refine until the mean fine edge is at most this many voxels.
+constexpr double kVoxelsPerEdge = 2;
+/// What a cell of the finest level takes in memory, at most (tests/bench/memory.cpp).
+constexpr double kBytesPerCell = 600;
+
+double planVoxelSize(const BakeOptions& options, const MeshFacts& facts) {
+  const bool bySize = options.voxelSize != 0, byCount = options.resolution != 0;
+  if (bySize == byCount) {
+    throw InputError("voxel size", bySize ? "is given twice, also as a resolution"
+                                          : "is missing: give it or a resolution");
+  }
+  if (bySize) {
+    if (!(options.voxelSize > 0) || !std::isfinite(options.voxelSize)) {
+      throw InputError("voxel size", "is not a positive number");
+    }
+    return options.voxelSize;
+  }
+  if (options.resolution < 1) throw InputError("resolution", "is less than 1");
+  return facts.longestSide / options.resolution;
+}
+
+/// A level halves edges.
+double foreseenEdge(const MeshFacts& facts, int level) {
+  return level == 0 ? facts.controlEdge : std::ldexp(facts.firstEdge, 1 - level);
+}
+
+int automaticLevels(const MeshFacts& facts, double voxelSize) {
+  int levels = 0;
+  while (foreseenEdge(facts, levels) > kVoxelsPerEdge * voxelSize) ++levels;
+  return levels;
+}
+
+bool isVector(int degree) { return degree == 1 || degree == 2; }
+
+bool limitFields(const BakeOptions& options, const RefinementFacts& refinement) {
+  return options.reconstruction == Reconstruction::Limit && refinement.hasLimits;
+}
+
+/// Potentials go with limits alone, and only where the derivative of a refined one is the refined
+/// derivative: of the thesis' boundary methods, with expansion.
+bool mayConserve(const BakeOptions& options, const RefinementFacts& refinement) {
+  return options.method != BakeMethod::Samples && limitFields(options, refinement) &&
+         refinement.commutes;
+}
+
+/// Are means of circulations less accurate than samples? On a collocated grid, unless they are
+/// asked for.
+std::optional<VoxelsUnlikeEdges> meansAreWorse(const BakeOptions& options, double voxelsPerEdge) {
+  if (options.sampling == Sampling::Staggered || options.method == BakeMethod::Conservative ||
+      (voxelsPerEdge >= kFinestMeans && voxelsPerEdge <= kCoarsestMeans)) {
+    return std::nullopt;
+  }
+  return VoxelsUnlikeEdges{voxelsPerEdge, kFinestMeans, kCoarsestMeans};
+}
+
+BakeReason asReason(const VelocityPlan::Flaw& flaw) {
+  return std::visit([](const auto& f) { return BakeReason(f); }, flaw);
+}
+
+/// Chooses the method of a vector grid, and says why.
+void planVectors(const FormFacts& form, const BakeOptions& options, const BakeFacts& facts,
+                 BakePlan* plan) {
+  plan->sampling = options.sampling;
+  plan->method = GridMethod::Samples;
+  if (seeksPotential(form.degree, options, facts)) {
+    // With a potential, a flaw is about voxels that only staggered grids leave out.
+    if (form.flaw && (!form.hasPotential || options.sampling == Sampling::Staggered)) {
+      plan->reasons.push_back(asReason(*form.flaw));
+    }
+    if (form.hasPotential) {
+      plan->method = form.degree == 2 ? GridMethod::Circulations : GridMethod::Differences;
+      plan->neighbours = neighbourWeight(facts.voxelsPerEdge());
+    }
+  } else if (form.open) {
+    plan->reasons.push_back(*form.open);
+  } else if (mayConserve(options, facts.refinement)) {
+    plan->reasons.push_back(*meansAreWorse(options, facts.voxelsPerEdge()));
+  }
+}
+
+}  // namespace
+
+ResolutionPlan planResolution(const BakeOptions& options, const MeshFacts& facts) {
+  ResolutionPlan plan;
+  plan.voxelSize = planVoxelSize(options, facts);
+  plan.levels = options.levels ? *options.levels : automaticLevels(facts, plan.voxelSize);
+  // A level makes eight times the cells, about.
+  plan.cells = facts.firstCells * std::pow(8.0, plan.levels - 1);
+  plan.fineEdge = foreseenEdge(facts, plan.levels);
+  plan.bytes = kBytesPerCell * plan.cells;
+  return plan;
+}
+
+void checkMemory(const ResolutionPlan& plan, double memory) {
+  if (plan.bytes <= memory) return;
+  const auto inUnits = [](double x, double unit) {
+    return std::to_string(static_cast<std::int64_t>(std::llround(x / unit)));
+  };
+  throw InputError("levels", std::to_string(plan.levels) + " would make about " +
+                                 inUnits(plan.cells, 1e6) + " million cells, which need up to " +
+                                 inUnits(plan.bytes, 1e9) + " GB of memory; this machine has " +
+                                 inUnits(memory, 1e9) +
+                                 " GB; give fewer --levels or larger voxels");
+}
+
+void checkMethod(const BakeOptions& options, const RefinementFacts& refinement) {
+  if (options.method == BakeMethod::Conservative && !mayConserve(options, refinement)) {
+    throw InputError("method",
+                     "conservative needs the limit reconstruction, and a boundary that commutes "
+                     "with d: auto, walls, open, or expansion where the mesh has no narrow gaps");
+  }
+}
+
+bool seeksPotential(int degree, const BakeOptions& options, const BakeFacts& facts) {
+  if (!isVector(degree) || !mayConserve(options, facts.refinement)) return false;
+  return degree == 1 || !meansAreWorse(options, facts.voxelsPerEdge());
+}
+
+BakePlan planBake(const FormFacts& form, const BakeOptions& options, const BakeFacts& facts) {
+  const Target& target = findTarget(options.target);
+  BakePlan plan;
+  plan.form = form.name;
+  plan.unit = form.unit;
+  plan.grid = form.grid;
+  plan.degree = form.degree;
+  plan.resolution = facts.resolution;
+  plan.turn = {facts.upAxis, target.upAxis ? target.upAxis : facts.upAxis};
+  if (target.voxelCornered) plan.shift = Vec3::Constant(-facts.resolution.voxelSize / 2);
+  plan.mode = form.mode;
+  if (!limitFields(options, facts.refinement)) plan.reconstruction = Reconstruction::Whitney;
+  if (!isVector(form.degree)) return plan;
+  if (!facts.refinement.methodLoses.empty()) {
+    plan.reasons.push_back(MethodLoses{facts.refinement.methodLoses});
+    if (options.method != BakeMethod::Samples) plan.reasons.push_back(NoRefinedPotential{});
+  }
+  if (form.projected) plan.reasons.push_back(*form.projected);
+  planVectors(form, options, facts, &plan);
+  if (options.method == BakeMethod::Conservative && plan.method == GridMethod::Samples) {
+    const std::string why = words(plan.reasons);
+    throw InputError("form \"" + form.name + "\"", "cannot be baked by method conservative: " +
+                                                       (why.empty() ? "it has no potential" : why));
+  }
+  return plan;
+}
+
+}  // namespace octet
