@@ -329,6 +329,60 @@ class SameBytes(Case):
             self.assertRegex(tag.decode(), r"\A[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}\Z")
 
 
+class DryRun(Case):
+    """A dry run decides as the bake does, and writes nothing."""
+
+    BAKES = (
+        (BOX, "--resolution", "24"),
+        (BOX, "--form", "potential", "--d", "--grid", "staggered", "--resolution", "24"),
+        (BOX, "--form", "velocity", "--resolution", "48", "--levels", "1"),  # too fine for means
+        (BOX, "--form", "velocity", "--resolution", "20", "--method", "samples", "--half"),
+        (os.path.join(command.SAMPLES, "animated", "animated.octet.json"), "--voxel-size", "0.3",
+         "--frames", "1-2", "--target", "houdini"))
+
+    def test_it_decides_as_the_bake_does(self):
+        for number, bake in enumerate(self.BAKES):
+            common = ("bake", *bake, "-o", self.path(f"{number}.vdb"), "--json")
+            before = self.files()
+            plan = json.loads(self.succeed(*common, "--dry-run"))
+            self.assertEqual(self.files(), before)
+            report = json.loads(self.succeed(*common))
+            for key in ("levels", "voxel_size", "note"):
+                self.assertEqual(plan[key], report[key])
+            self.assertAlmostEqual(plan["mean_edge"] / report["mean_edge"], 1, delta=0.05)
+            self.assertAlmostEqual(plan["cells"] / report["cells"], 1, delta=0.15)
+            self.assertLess(report["cells"], plan["bytes"])
+            self.assertEqual([f["path"] for f in plan["files"]],
+                             [f["path"] for f in report["files"]])
+            self.assertEqual([f.get("frame") for f in plan["files"]],
+                             [f.get("frame") for f in report["files"]])
+            for planned, baked in zip(plan["files"], report["files"]):
+                self.check_grids(planned["grids"], baked["grids"])
+
+    def check_grids(self, planned, baked):
+        self.assertEqual([g["name"] for g in planned], [g["name"] for g in baked])
+        for plan, grid in zip(planned, baked):
+            self.assertEqual(plan.get("method"), grid.get("method"))
+            # Numbers of a plan are foreseen; what they are said of is the same.
+            said = "; ".join(r["note"] for r in plan.get("reasons", []))
+            self.assertEqual(re.sub(r"[0-9.]+", "#", said),
+                             re.sub(r"[0-9.]+", "#", grid.get("note", "")))
+
+    def test_it_tells_people(self):
+        text = self.succeed("bake", BOX, "--form", "velocity", "--resolution", "48", "--levels", "1",
+                            "-o", self.path("a.vdb"), "--dry-run")
+        self.assertIn("1 levels, about ", text)
+        self.assertIn("GB of memory", text)
+        self.assertRegex(text, r"collocated from samples; voxels are [0-9.]+ fine edges")
+        self.assertEqual(self.files(), [])
+
+    def test_it_tells_of_more_than_there_is(self):
+        plan = json.loads(self.succeed("bake", BOX, "--form", "velocity", "--resolution", "24",
+                                       "--levels", "12", "-o", self.path("a.vdb"), "--dry-run",
+                                       "--json"))
+        self.assertGreater(plan["bytes"], plan["memory"])
+
+
 class BoundaryMethods(Case):
     """What the thesis' methods at the boundary do not keep is said, and what they keep is kept."""
 
@@ -387,6 +441,16 @@ class BoundaryMethods(Case):
             self.assertEqual(grid["method"], "samples")
             self.assertIn(boundary, grid["note"])
             self.assertIn("sampled", grid["note"])
+
+    def test_a_dry_run_says_what_methods_lose(self):
+        asset = self.lattice(gap=True)
+        common = ("bake", asset, "-o", self.path("a.vdb"), "--d", "--resolution", "12", "--levels",
+                  "1", "--boundary", "expansion", "--json")
+        (plan,) = json.loads(self.succeed(*common, "--dry-run"))["files"][0]["grids"]
+        (grid,) = json.loads(self.succeed(*common))["files"][0]["grids"]
+        self.assertEqual([r["reason"] for r in plan["reasons"]],
+                         ["method_loses", "no_refined_potential"])
+        self.assertEqual("; ".join(r["note"] for r in plan["reasons"]), grid["note"])
 
     def test_the_virtual_layer_can_be_looked_at(self):
         asset, out = self.lattice(gap=False), self.path("a.json")
