@@ -21,8 +21,9 @@ inline std::vector<std::pair<std::string, BoundaryChoice>> boundaryChoices(bool 
   for (const auto method :
        {ThesisMethod::Simple, ThesisMethod::Projection, ThesisMethod::Expansion}) {
     if (!methods) break;
-    const auto subdivide = [method](const ControlMesh& mesh, const RefinerOptions& options) {
-      return subdivideByThesis(mesh, method, options);
+    const auto subdivide = [method](const ControlMesh& mesh, const RefinerOptions& options,
+                                    const Context& context) {
+      return subdivideByThesis(mesh, method, options, context);
     };
     choices.push_back({methodName(method), {}, subdivide});
   }

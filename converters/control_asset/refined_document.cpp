@@ -24,8 +24,8 @@ BoundaryMode modeOf(const ControlAsset& asset, const Form& form) {
 /// Writes lists a block of entries at a time, with reports in between.
 class ReportingWriter {
  public:
-  ReportingWriter(const std::string& path, std::size_t total, const ProgressCallback& progress)
-      : out(path, DocumentWriter::formatFor(path)), total_(total), progress_(progress) {}
+  ReportingWriter(const std::string& path, std::size_t total, const Context& context)
+      : out(path, DocumentWriter::formatFor(path)), total_(total), context_(context) {}
 
   DocumentWriter out;
 
@@ -53,11 +53,11 @@ class ReportingWriter {
 
  private:
   void report(std::size_t done) const {
-    reportProgress(progress_, {"write document", done, total_, "entries"});
+    context_.report({"write document", done, total_, "entries"});
   }
 
   std::size_t total_, done_ = 0;
-  const ProgressCallback& progress_;
+  const Context& context_;
 };
 
 std::size_t entryCount(const ControlAsset& asset, const Complex& c) {
@@ -78,10 +78,10 @@ BoundaryMode boundaryMode(const ControlAsset& asset, const Form& form,
 }
 
 void writeRefinedDocument(const ControlAsset& asset, const RefinedForms& refined,
-                          const std::string& path, const ProgressCallback& progress) {
+                          const std::string& path, const Context& context) {
   const Complex& complex = refined.complex;
   const std::string& note = refined.note;
-  ReportingWriter writer(path, entryCount(asset, complex), progress);
+  ReportingWriter writer(path, entryCount(asset, complex), context);
   DocumentWriter& out = writer.out;
   out.beginObject(note.empty() ? 6 : 7);
   if (!note.empty()) {
@@ -112,7 +112,7 @@ void writeRefinedDocument(const ControlAsset& asset, const RefinedForms& refined
 
 void writeRefinedDocument(const ControlAsset& asset, const Subdivision& subdivision,
                           const BoundaryChoice& boundary, int frame, const std::string& path,
-                          const ProgressCallback& progress) {
+                          const Context& context) {
   const auto values = [&](const Form& form) {
     const BoundaryMode mode = boundaryMode(asset, form, boundary);
     return withDegree(form.degree, [&](auto degree) {
@@ -123,7 +123,7 @@ void writeRefinedDocument(const ControlAsset& asset, const Subdivision& subdivis
   writeRefinedDocument(asset,
                        {*subdivision.finest(), subdivision.positions(subdivision.levels()), values,
                         subdivision.note()},
-                       path, progress);
+                       path, context);
 }
 
 }  // namespace octet

@@ -33,13 +33,13 @@ struct RefinedForms {
 /// Writes vertices, edges, facets, tetrahedra, octahedra, and for each of the asset's forms its
 /// degree and dense values. @throws IoError, Cancelled
 void writeRefinedDocument(const ControlAsset& asset, const RefinedForms& refined,
-                          const std::string& path, const ProgressCallback& progress = {});
+                          const std::string& path, const Context& context = {});
 
 /// Writes the finest level of a subdivision of the asset's mesh, with the asset's forms on it.
 /// @param frame  of animated forms
 /// @throws IoError, Cancelled
 void writeRefinedDocument(const ControlAsset& asset, const Subdivision& subdivision,
                           const BoundaryChoice& boundary, int frame, const std::string& path,
-                          const ProgressCallback& progress = {});
+                          const Context& context = {});
 
 }  // namespace octet

@@ -28,8 +28,8 @@ bool isChannelName(const std::string& name) {
 
 class SliceWriter {
  public:
-  SliceWriter(const Subject& subject, const SliceExrOptions& options)
-      : subject_(subject), options_(options) {
+  SliceWriter(const Subject& subject, const SliceExrOptions& options, const Context& context)
+      : subject_(subject), options_(options), context_(context) {
     checkQuantity(subject, options.quantity);
     if (options.stack < 1 || options.stack > kMostSlices) {
       throw InputError("stack", "is not from 1 to " + std::to_string(kMostSlices));
@@ -68,7 +68,7 @@ class SliceWriter {
       parts.push_back(std::move(part));
     }
     writeExr(
-        parts, [this](std::size_t k) { return pixels(grids_[k], k); }, path);
+        parts, [this](std::size_t k) { return pixels(grids_[k]); }, path);
   }
 
  private:
@@ -123,17 +123,11 @@ class SliceWriter {
     return result;
   }
 
-  /// Values and A of a slice; slice k of all, for progress.
-  std::vector<float> pixels(const SliceGrid& grid, std::size_t k) const {
-    const auto progress = [&](const ProgressReport& report) {
-      ProgressReport all = report;
-      all.done += k * report.total;
-      all.total *= grids_.size();
-      return !options_.progress || options_.progress(all);
-    };
-    const Slice slice = whole_
-                            ? sampleSlice(subject_, grid, progress)
-                            : sampleQuantity(subject_, grid, options_.quantity, spacing_, progress);
+  /// Values and A of one of the slices.
+  std::vector<float> pixels(const SliceGrid& grid) const {
+    const Context part = context_.sub(1.0 / static_cast<double>(grids_.size()));
+    const Slice slice = whole_ ? sampleSlice(subject_, grid, part)
+                               : sampleQuantity(subject_, grid, options_.quantity, spacing_, part);
     const std::size_t n = static_cast<std::size_t>(slice.components);
     std::vector<float> result;
     result.reserve(slice.inside.size() * (n + 1));
@@ -184,7 +178,7 @@ class SliceWriter {
     const std::size_t n = channels_.size(), line = n * static_cast<std::size_t>(w);
     std::vector<float> result(line * columns * static_cast<std::size_t>(rows) * h, 0.0f);
     for (std::size_t k = 0; k < grids_.size(); ++k) {
-      const std::vector<float> slice = pixels(grids_[k], k);
+      const std::vector<float> slice = pixels(grids_[k]);
       const std::size_t column = k % static_cast<std::size_t>(columns);
       const std::size_t row = k / static_cast<std::size_t>(columns);
       for (int y = 0; y < h; ++y) {
@@ -197,6 +191,7 @@ class SliceWriter {
 
   const Subject& subject_;
   const SliceExrOptions& options_;
+  const Context& context_;
   bool whole_ = false;  // all components of a vector
   double spacing_ = 0;
   std::vector<std::string> channels_;
@@ -205,9 +200,9 @@ class SliceWriter {
 
 }  // namespace
 
-void writeSliceExr(const Subject& subject, const SliceExrOptions& options,
-                   const std::string& path) {
-  SliceWriter(subject, options).write(path);
+void writeSliceExr(const Subject& subject, const SliceExrOptions& options, const std::string& path,
+                   const Context& context) {
+  SliceWriter(subject, options, context).write(path);
 }
 
 }  // namespace octet

@@ -16,7 +16,6 @@ struct SliceExrOptions {
   double spacing = 0;                       ///< of differences; 0: the subject's detail
   bool rgb = false;                         ///< a vector as R G B instead of a layer
   std::string layer = "velocity";           ///< of a vector: layer.X .Y .Z
-  ProgressCallback progress{};
 };
 
 /// @brief Writes slices as 32-bit floats to an OpenEXR file, one part per slice or an atlas.
@@ -33,6 +32,7 @@ struct SliceExrOptions {
 /// and .positions: slice k lies in column k mod columns, row k div columns from the top, and its
 /// worldMin and worldMax are those of all slices, from the first position to the last.
 /// @throws InputError, IoError, Cancelled
-void writeSliceExr(const Subject& subject, const SliceExrOptions& options, const std::string& path);
+void writeSliceExr(const Subject& subject, const SliceExrOptions& options, const std::string& path,
+                   const Context& context = {});
 
 }  // namespace octet

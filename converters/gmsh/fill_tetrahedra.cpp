@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <octet/core/base/error.h>
-#include <octet/core/base/parallel.h>
+#include <octet/core/base/reported_loop.h>
 #include <octet/core/cage/nesting.h>
 
 #include "gmsh_program.h"
@@ -74,8 +74,9 @@ std::string place(const char* list, Index k) {
 
 class TetrahedraFill {
  public:
-  TetrahedraFill(const TriangleSurface& surface, const TetrahedraOptions& options)
-      : given_(surface), options_(options) {}
+  TetrahedraFill(const TriangleSurface& surface, const TetrahedraOptions& options,
+                 const Context& context)
+      : given_(surface), options_(options), context_(context) {}
 
   ControlMesh run(TetrahedraReport* report) {
     check();
@@ -97,7 +98,7 @@ class TetrahedraFill {
     if (!(options_.sharpAngle > 0 && options_.sharpAngle <= 180)) {
       throw InputError("sharp-angle", "is not between 0 and 180");
     }
-    reportProgress(options_.progress, {"check surface", 0, 1, "surface"});
+    context_.report({"check surface", 0, 1, "surface"});
     checkClosed(given_);
     given_ = welded(given_);
     if (given_.triangles.empty()) throw InputError("", "the surface has no triangles");
@@ -107,7 +108,7 @@ class TetrahedraFill {
           place("triangles", crossing->triangle),
           "the surface intersects itself: meets " + place("triangles", crossing->other));
     }
-    if (!options_.keepTriangles) given_ = withoutSlivers(given_, options_.progress);
+    if (!options_.keepTriangles) given_ = withoutSlivers(given_, context_);
     const std::vector<SurfacePart> parts = surfaceParts(given_);
     report_.bodyVolume = volumeOf(parts);
     for (const SurfacePart& part : parts) ++(part.depth % 2 ? report_.cavities : report_.bodies);
@@ -144,10 +145,9 @@ class TetrahedraFill {
       RemeshOptions remeshing;
       remeshing.edgeLength = options_.spacing;
       remeshing.sharpAngle = options_.sharpAngle;
-      remeshing.progress = options_.progress;
-      boundary_ = remesh(given_, remeshing);
+      boundary_ = remesh(given_, remeshing, context_.sub(0.4));
     } else {
-      boundary_ = {oriented(given_), sharp.edges, sharp.corners};
+      boundary_ = {oriented(given_, context_), sharp.edges, sharp.corners};
     }
     report_.creaseLength = lengthOf(boundary_.surface, boundary_.creases);
     parts_ = surfaceParts(boundary_.surface);
@@ -212,9 +212,8 @@ class TetrahedraFill {
     work.mostBytes = kLeastMemory + 10'000 * cells;
     work.time = kLeastTime + std::chrono::milliseconds(cells);
     work.report = {"mesh with Gmsh", 0, 0, "tetrahedra"};
-    work.progress = options_.progress;
     work.content = pack(FillRequest{shells(), work.mostBytes});
-    return askGmsh<GmshMesh>(work);
+    return askGmsh<GmshMesh>(work, context_);
   }
 
   /// Vertices of the boundary come first, then Gmsh's in the order of their tags.
@@ -302,12 +301,13 @@ class TetrahedraFill {
           const auto& [a, b, c] = s.triangles[t];
           distances[t] = closest.find((s.vertices[a] + s.vertices[b] + s.vertices[c]) / 3).distance;
         },
-        64);
+        context_, 64);
     return *std::max_element(distances.begin(), distances.end());
   }
 
   TriangleSurface given_;
   const TetrahedraOptions& options_;
+  const Context& context_;
   RemeshedSurface boundary_;
   std::vector<SurfacePart> parts_;  // of the boundary
   TetrahedraReport report_;
@@ -316,8 +316,8 @@ class TetrahedraFill {
 }  // namespace
 
 ControlMesh fillWithTetrahedra(const TriangleSurface& surface, const TetrahedraOptions& options,
-                               TetrahedraReport* report) {
-  return TetrahedraFill(surface, options).run(report);
+                               TetrahedraReport* report, const Context& context) {
+  return TetrahedraFill(surface, options, context).run(report);
 }
 
 }  // namespace octet

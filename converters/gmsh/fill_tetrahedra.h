@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <octet/core/base/progress.h>
+#include <octet/core/base/context.h>
 #include <octet/core/cage/sharp_edges.h>
 #include <octet/core/topology/control_mesh.h>
 
@@ -15,7 +15,6 @@ struct TetrahedraOptions {
   /// Edges at which the surface turns by more, in degrees, become creases; 180 makes none.
   double sharpAngle = kSharpAngle;
   bool keepTriangles = false;  ///< take the surface's triangles as they are, whatever their size
-  ProgressCallback progress;
 };
 
 struct TetrahedraReport {
@@ -38,6 +37,6 @@ struct TetrahedraReport {
 /// nothing; for a spacing that is not positive, makes too many cells, or is too coarse for the
 /// body; for what Gmsh cannot mesh. IoError without octetvdb-gmsh. Cancelled.
 ControlMesh fillWithTetrahedra(const TriangleSurface& surface, const TetrahedraOptions& options,
-                               TetrahedraReport* report = nullptr);
+                               TetrahedraReport* report = nullptr, const Context& context = {});
 
 }  // namespace octet

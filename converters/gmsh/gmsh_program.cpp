@@ -38,15 +38,18 @@ std::string findProgram() {
 /// One call of the program.
 class Call {
  public:
-  explicit Call(const GmshWork& work)
-      : work_(work), report_(work.report), reader_(work.mostBytes) {}
+  Call(const GmshWork& work, const Context& context)
+      : work_(work), context_(context), report_(work.report), reader_(work.mostBytes) {}
 
   template <typename Answer>
   Answer run() {
     const std::string program = findProgram();
     RunLimits limits;
     limits.time = work_.time;
-    limits.goOn = [this] { return report(); };
+    limits.goOn = [this] {
+      context_.report(report_);
+      return true;
+    };
     const RunResult result = runProgram(
         {program, "serve"}, message(work_.request, work_.content),
         [this](std::string_view bytes) { take(bytes); }, limits);
@@ -67,8 +70,6 @@ class Call {
   [[noreturn]] void fail(const std::string& how) const {
     throw InputError("", work_.who + " " + how + " " + work_.doing);
   }
-
-  bool report() const { return !work_.progress || work_.progress(report_); }
 
   /// Damaged messages come from a damaged process, but for the first one.
   template <typename Read>
@@ -96,7 +97,7 @@ class Call {
       const auto done = reading([&] { return unpack<WorkDone>(next->content); });
       report_.done = done.done;
       report_.total = done.total;
-      if (!report()) throw Cancelled();
+      context_.report(report_);
     } else if (next->kind == MessageKind::Failure) {
       const auto failure = reading([&] { return unpack<WorkFailure>(next->content); });
       if (failure.ofInput) throw InputError(failure.place, failure.reason);
@@ -105,6 +106,7 @@ class Call {
   }
 
   const GmshWork& work_;
+  const Context& context_;
   ProgressReport report_;
   MessageReader reader_;
   std::string answer_;
@@ -114,12 +116,12 @@ class Call {
 }  // namespace
 
 template <typename Answer>
-Answer askGmsh(const GmshWork& work) {
-  return Call(work).run<Answer>();
+Answer askGmsh(const GmshWork& work, const Context& context) {
+  return Call(work, context).run<Answer>();
 }
 
-template GmshMesh askGmsh(const GmshWork&);
-template TriangleSurface askGmsh(const GmshWork&);
-template RemeshedSurface askGmsh(const GmshWork&);
+template GmshMesh askGmsh(const GmshWork&, const Context&);
+template TriangleSurface askGmsh(const GmshWork&, const Context&);
+template RemeshedSurface askGmsh(const GmshWork&, const Context&);
 
 }  // namespace octet::gmsh_import

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include <octet/core/base/progress.h>
+#include <octet/core/base/context.h>
 
 #include "messages.h"
 
@@ -24,7 +24,6 @@ struct GmshWork {
   std::chrono::milliseconds time = std::chrono::hours(24);
   /// Is reported at once, several times a second, and with what the program says is done.
   ProgressReport report;
-  ProgressCallback progress;
 };
 
 /// @brief Has octetvdb-gmsh, a program that uses Gmsh and CGAL and is under the GPL for it, do some
@@ -34,8 +33,8 @@ struct GmshWork {
 /// bin folder of the prefix that has this code as a Python module, and on PATH.
 /// @return its answer: GmshMesh, TriangleSurface or RemeshedSurface
 /// @throws InputError as the program says, and when it crashed or took too long; IoError when it is
-/// not found or cannot be run; Cancelled within 0.2 s when the callback says so
+/// not found or cannot be run; Cancelled within 0.2 s when the context says so
 template <typename Answer>
-Answer askGmsh(const GmshWork& work);
+Answer askGmsh(const GmshWork& work, const Context& context = {});
 
 }  // namespace octet::gmsh_import

@@ -41,31 +41,30 @@ void checkIndices(const RemeshedSurface& remeshed) {
 }
 
 template <typename Result>
-Result ask(const GmshWork& work) {
-  auto result = askGmsh<Result>(work);
+Result ask(const GmshWork& work, const Context& context) {
+  auto result = askGmsh<Result>(work, context);
   checkIndices(result);
   return result;
 }
 
 }  // namespace
 
-TriangleSurface oriented(const TriangleSurface& surface) {
-  return ask<TriangleSurface>(cgalWork(MessageKind::Orient, surface, "orienting it"));
+TriangleSurface oriented(const TriangleSurface& surface, const Context& context) {
+  return ask<TriangleSurface>(cgalWork(MessageKind::Orient, surface, "orienting it"), context);
 }
 
-RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options) {
+RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options,
+                       const Context& context) {
   GmshWork work = cgalWork(MessageKind::Remesh, surface, "remeshing it");
   work.content = pack(SurfaceRequest{surface, options.edgeLength, options.sharpAngle});
   work.report = {"remesh surface", 0, 0, "rounds"};
-  work.progress = options.progress;
-  return ask<RemeshedSurface>(work);
+  return ask<RemeshedSurface>(work, context);
 }
 
-TriangleSurface withoutSlivers(const TriangleSurface& surface, const ProgressCallback& progress) {
+TriangleSurface withoutSlivers(const TriangleSurface& surface, const Context& context) {
   GmshWork work = cgalWork(MessageKind::Clean, surface, "cleaning it");
   work.report = {"check surface", 0, 1, "surface"};
-  work.progress = progress;
-  return ask<TriangleSurface>(work);
+  return ask<TriangleSurface>(work, context);
 }
 
 }  // namespace octet

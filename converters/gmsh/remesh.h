@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <octet/core/base/progress.h>
+#include <octet/core/base/context.h>
 #include <octet/core/cage/sharp_edges.h>
 
 /// @file
@@ -12,7 +12,6 @@ namespace octet {
 struct RemeshOptions {
   double edgeLength = 0;            ///< wanted, world units
   double sharpAngle = kSharpAngle;  ///< edges that turn by more, in degrees, are kept
-  ProgressCallback progress;
 };
 
 struct RemeshedSurface {
@@ -24,7 +23,7 @@ struct RemeshedSurface {
 /// @brief The surface with triangles turned to agree with their neighbours.
 /// @throws InputError for edges without two triangles, vertices at which the surface touches
 /// itself, and one-sided surfaces; IoError as askGmsh (gmsh_program.h)
-TriangleSurface oriented(const TriangleSurface& surface);
+TriangleSurface oriented(const TriangleSurface& surface, const Context& context = {});
 
 /// @brief Triangles about as large as wanted for a closed surface, whatever its own are, by CGAL:
 /// edges are split, collapsed and turned, and vertices moved along the surface, until edges are
@@ -37,7 +36,8 @@ TriangleSurface oriented(const TriangleSurface& surface);
 /// they stay smaller. Deterministic, one thread but for searches. That the result does not
 /// intersect itself is for findSelfIntersection to tell.
 /// @throws as oriented; Cancelled
-RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options);
+RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& options,
+                       const Context& context = {});
 
 /// @brief The surface without triangles so flat that their normals, and with these the sharp edges
 /// at them, are rounding, such as CAD programs write: edges of no length are collapsed, and long
@@ -45,6 +45,6 @@ RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& opti
 /// triangles stay.
 /// @throws as oriented; Cancelled
 TriangleSurface withoutSlivers(const TriangleSurface& surface,
-                               const ProgressCallback& progress = {});
+                               const Context& context = {});
 
 }  // namespace octet

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <octet/core/base/parallel.h>
+#include <octet/core/base/reported_loop.h>
 
 namespace octet {
 namespace {
@@ -116,7 +116,7 @@ void stretch(const Directions& directions, std::vector<float>* texture) {
 }  // namespace
 
 std::vector<float> lineIntegralConvolution(const Slice& slice, double reach,
-                                           const ProgressCallback& progress) {
+                                           const Context& context) {
   const SliceGrid& grid = slice.grid;
   const Directions directions(slice);
   std::vector<float> texture(slice.inside.size());
@@ -124,8 +124,8 @@ std::vector<float> lineIntegralConvolution(const Slice& slice, double reach,
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<float> result(texture.size(), 0.5f);
     for (int first = 0; first < grid.height; first += kBand) {
-      reportProgress(progress, {"convolve", static_cast<std::size_t>(pass * grid.height + first),
-                                static_cast<std::size_t>(2 * grid.height), "rows"});
+      context.report({"convolve", static_cast<std::size_t>(pass * grid.height + first),
+                      static_cast<std::size_t>(2 * grid.height), "rows"});
       const int rows = std::min(kBand, grid.height - first);
       parallelFor<int>(
           rows * grid.width,
@@ -134,7 +134,7 @@ std::vector<float> lineIntegralConvolution(const Slice& slice, double reach,
             const std::size_t at = static_cast<std::size_t>(y) * grid.width + x;
             if (directions.flows(at)) result[at] = convolve(directions, texture, grid, x, y, reach);
           },
-          256);
+          context, 256);
     }
     stretch(directions, &result);
     texture = std::move(result);

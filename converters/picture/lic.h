@@ -12,6 +12,6 @@ namespace octet {
 /// is a function of the pixel alone, so that the picture is the same every time.
 /// @param reach  of the filter to each side along a line, pixels
 std::vector<float> lineIntegralConvolution(const Slice& slice, double reach,
-                                           const ProgressCallback& progress = {});
+                                           const Context& context = {});
 
 }  // namespace octet

@@ -32,16 +32,17 @@ void checkOptions(const PictureOptions& options) {
 
 }  // namespace
 
-void writePicture(const Subject& subject, const PictureOptions& options, const std::string& path) {
+void writePicture(const Subject& subject, const PictureOptions& options, const std::string& path,
+                  const Context& context) {
   checkOptions(options);
   const AtomicFile trial(path);  // before work is put into it
   if (options.view == PictureView::Slice) {
     if (std::filesystem::path(path).extension() == ".exr") {
       throw InputError(path, "", "a drawn slice is written as .png");
     }
-    drawSlice(subject, options, path);
+    drawSlice(subject, options, path, context);
   } else {
-    drawSolid(subject, options, path);
+    drawSolid(subject, options, path, context);
   }
 }
 

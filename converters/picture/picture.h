@@ -32,7 +32,6 @@ struct PictureOptions {
   bool labels = true;                                ///< title and numbers
   std::string title;                                 ///< empty: made from the subject
   std::optional<std::pair<double, double>> range{};  ///< of colours; absent: of what is drawn
-  ProgressCallback progress{};
 
   // Slices.
   int axis = 2;
@@ -52,7 +51,8 @@ struct PictureOptions {
 /// linear light R G B A, without background, title and colour bar. Complete or not at all. Float
 /// slices: slice_exr.h.
 /// @throws InputError, IoError, Cancelled
-void writePicture(const Subject& subject, const PictureOptions& options, const std::string& path);
+void writePicture(const Subject& subject, const PictureOptions& options, const std::string& path,
+                  const Context& context = {});
 
 /// The range of colours that some values ask for: from 0 for what has a size, symmetric for what
 /// has a sign, else from the least to the greatest.

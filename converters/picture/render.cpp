@@ -7,7 +7,7 @@
 
 #include <tbb/task_arena.h>
 
-#include <octet/core/base/parallel.h>
+#include <octet/core/base/reported_loop.h>
 
 #include "embree.h"
 
@@ -336,28 +336,28 @@ constexpr double kPlaces[kMany][2] = {
     {0.21875, 0.96875}, {0.46875, 0.46875}, {0.71875, 0.90625}, {0.96875, 0.78125}};
 
 /// Calls `tile(x, y, toX, toY)` for all tiles in parallel.
-void forTiles(int width, int height, const ProgressCallback& progress, const std::string& stage,
+void forTiles(int width, int height, const Context& context, const std::string& stage,
               const std::function<void(int, int, int, int)>& tile) {
   const int columns = (width + kTile - 1) / kTile, rows = (height + kTile - 1) / kTile;
   for (int row = 0; row < rows; ++row) {
-    reportProgress(progress, {stage, static_cast<std::size_t>(row), static_cast<std::size_t>(rows),
-                              "rows of tiles"});
+    context.report(
+        {stage, static_cast<std::size_t>(row), static_cast<std::size_t>(rows), "rows of tiles"});
     parallelFor<int>(
         columns,
         [&](int column) {
           tile(column * kTile, row * kTile, std::min(width, (column + 1) * kTile),
                std::min(height, (row + 1) * kTile));
         },
-        1);
+        context, 1);
   }
-  reportProgress(progress, {stage, static_cast<std::size_t>(rows), static_cast<std::size_t>(rows),
-                            "rows of tiles"});
+  context.report(
+      {stage, static_cast<std::size_t>(rows), static_cast<std::size_t>(rows), "rows of tiles"});
 }
 
 }  // namespace
 
 RenderedImage render(const Scene& scene, const View& view, int width, int height,
-                     const ProgressCallback& progress) {
+                     const Context& context) {
   const Tracer tracer(scene);
   const std::size_t count = static_cast<std::size_t>(width) * height;
   // Of the rays in each pixel the sum, and the range, to find edges.
@@ -371,7 +371,7 @@ RenderedImage render(const Scene& scene, const View& view, int width, int height
   const auto ray = [&](int x, int y, int k) {
     return tracer.trace(view.eye(), view.direction(x + kPlaces[k][0], y + kPlaces[k][1]), view);
   };
-  forTiles(width, height, progress, "trace rays", [&](int left, int top, int right, int bottom) {
+  forTiles(width, height, context, "trace rays", [&](int left, int top, int right, int bottom) {
     for (int y = top; y < bottom; ++y) {
       for (int x = left; x < right; ++x) {
         const std::size_t at = static_cast<std::size_t>(y) * width + x;
@@ -400,7 +400,7 @@ RenderedImage render(const Scene& scene, const View& view, int width, int height
     }
     return (most - least).head<3>().maxCoeff() > kContrast;
   };
-  forTiles(width, height, progress, "smooth edges", [&](int left, int top, int right, int bottom) {
+  forTiles(width, height, context, "smooth edges", [&](int left, int top, int right, int bottom) {
     for (int y = top; y < bottom; ++y) {
       for (int x = left; x < right; ++x) {
         const std::size_t at = static_cast<std::size_t>(y) * width + x;

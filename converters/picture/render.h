@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <octet/core/base/progress.h>
+#include <octet/core/base/context.h>
 
 #include "camera.h"
 #include "scene.h"
@@ -20,6 +20,6 @@ struct RenderedImage {
 /// neighbours differ. The same bytes at any number of threads.
 /// @throws Error when Embree fails, Cancelled
 RenderedImage render(const Scene& scene, const View& view, int width, int height,
-                     const ProgressCallback& progress = {});
+                     const Context& context = {});
 
 }  // namespace octet

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include <octet/core/base/parallel.h>
+#include <octet/core/base/reported_loop.h>
 
 namespace octet {
 namespace {
@@ -14,17 +14,18 @@ namespace {
 constexpr int kBand = 32;
 
 /// Calls `pixel(x, y)` for all pixels, in parallel, reporting bands of rows.
-void forPixels(const SliceGrid& grid, const ProgressCallback& progress,
+void forPixels(const SliceGrid& grid, const Context& context,
                const std::function<void(int, int)>& pixel) {
   for (int first = 0; first < grid.height; first += kBand) {
-    reportProgress(progress, {"sample slice", static_cast<std::size_t>(first),
-                              static_cast<std::size_t>(grid.height), "rows"});
+    context.report({"sample slice", static_cast<std::size_t>(first),
+                    static_cast<std::size_t>(grid.height), "rows"});
     const int rows = std::min(kBand, grid.height - first);
     parallelFor<int>(
-        rows * grid.width, [&](int k) { pixel(k % grid.width, first + k / grid.width); }, 256);
+        rows * grid.width, [&](int k) { pixel(k % grid.width, first + k / grid.width); }, context,
+        256);
   }
   const auto all = static_cast<std::size_t>(grid.height);
-  reportProgress(progress, {"sample slice", all, all, "rows"});
+  context.report({"sample slice", all, all, "rows"});
 }
 
 Slice emptySlice(const SliceGrid& grid, int components) {
@@ -135,10 +136,10 @@ SliceGrid fitSlice(const Subject& subject, int axis, std::optional<double> posit
   return grid;
 }
 
-Slice sampleSlice(const Subject& subject, const SliceGrid& grid, const ProgressCallback& progress) {
+Slice sampleSlice(const Subject& subject, const SliceGrid& grid, const Context& context) {
   checkQuantity(subject, Quantity::Automatic);
   Slice slice = emptySlice(grid, subject.components);
-  forPixels(grid, progress, [&](int x, int y) {
+  forPixels(grid, context, [&](int x, int y) {
     const std::size_t k = static_cast<std::size_t>(y) * grid.width + x;
     slice.inside[k] =
         subject.sample(grid.point(x + 0.5, y + 0.5), &slice.values[k * slice.components]);
@@ -147,10 +148,10 @@ Slice sampleSlice(const Subject& subject, const SliceGrid& grid, const ProgressC
 }
 
 Slice sampleQuantity(const Subject& subject, const SliceGrid& grid, Quantity quantity,
-                     double spacing, const ProgressCallback& progress) {
+                     double spacing, const Context& context) {
   checkQuantity(subject, quantity);
   Slice slice = emptySlice(grid, 1);
-  forPixels(grid, progress, [&](int x, int y) {
+  forPixels(grid, context, [&](int x, int y) {
     const std::size_t k = static_cast<std::size_t>(y) * grid.width + x;
     slice.inside[k] =
         quantityAt(subject, quantity, spacing, grid.point(x + 0.5, y + 0.5), &slice.values[k]);

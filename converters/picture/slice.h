@@ -60,14 +60,13 @@ struct Slice {
 };
 
 /// The field's own components at the pixels' centres. @throws Cancelled
-Slice sampleSlice(const Subject& subject, const SliceGrid& grid,
-                  const ProgressCallback& progress = {});
+Slice sampleSlice(const Subject& subject, const SliceGrid& grid, const Context& context = {});
 
 /// A quantity of one component. A difference needs all six points around the pixel, `spacing` away
 /// along the axes, in the domain.
 /// @throws InputError for a quantity that the field does not have, Cancelled
 Slice sampleQuantity(const Subject& subject, const SliceGrid& grid, Quantity quantity,
-                     double spacing, const ProgressCallback& progress = {});
+                     double spacing, const Context& context = {});
 
 /// @throws InputError unless the subject has a field of which `quantity` can be taken.
 void checkQuantity(const Subject& subject, Quantity quantity);

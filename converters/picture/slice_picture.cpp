@@ -196,7 +196,8 @@ std::vector<double> insideValues(const Slice& slice) {
 
 }  // namespace
 
-void drawSlice(const Subject& subject, const PictureOptions& options, const std::string& path) {
+void drawSlice(const Subject& subject, const PictureOptions& options, const std::string& path,
+               const Context& context) {
   checkQuantity(subject, options.quantity);
   const bool lines = options.style == PictureStyle::Lic || options.style == PictureStyle::Arrows;
   if (options.style == PictureStyle::Streamlines) {
@@ -214,12 +215,12 @@ void drawSlice(const Subject& subject, const PictureOptions& options, const std:
   fineGrid.height *= kSubsamples;
   fineGrid.spacing /= kSubsamples;
   const double spacing = options.spacing > 0 ? options.spacing : subject.detail;
-  const Slice fine = sampleQuantity(subject, fineGrid, options.quantity, spacing, options.progress);
+  const Slice fine = sampleQuantity(subject, fineGrid, options.quantity, spacing, context.sub(0.4));
   const ColourScale scale = colourScale(subject, options, insideValues(fine));
   std::vector<float> brightness;
   if (options.style == PictureStyle::Lic) {
-    brightness = lineIntegralConvolution(sampleSlice(subject, grid, options.progress),
-                                         kLicReach * l.scale, options.progress);
+    brightness = lineIntegralConvolution(sampleSlice(subject, grid, context.sub(0.1)),
+                                         kLicReach * l.scale, context);
   }
   Canvas canvas(options.width, options.height, kPaper);
   canvas.paste(colours(fine, scale, brightness), l.plotX, l.plotY);

@@ -7,6 +7,7 @@
 namespace octet {
 
 /// Draws a slice: colours, and on them line integral convolution or arrows.
-void drawSlice(const Subject& subject, const PictureOptions& options, const std::string& path);
+void drawSlice(const Subject& subject, const PictureOptions& options, const std::string& path,
+               const Context& context = {});
 
 }  // namespace octet

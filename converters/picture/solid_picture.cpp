@@ -68,13 +68,13 @@ void writeLight(const RenderedImage& image, const Subject& subject, const std::s
 
 }  // namespace
 
-void drawSolid(const Subject& subject, const PictureOptions& options, const std::string& path) {
+void drawSolid(const Subject& subject, const PictureOptions& options, const std::string& path,
+               const Context& context) {
   Canvas canvas(options.width, options.height, Vec3::Ones());  // refuses sizes that are too large
-  const SolidScene solid = buildScene(subject, options);
+  const SolidScene solid = buildScene(subject, options, context.sub(0.4));
   const View view(options.camera, subject.upAxis, solid.extent, options.width, options.height,
                   kRoom);
-  const RenderedImage image =
-      render(solid.scene, view, options.width, options.height, options.progress);
+  const RenderedImage image = render(solid.scene, view, options.width, options.height, context);
   if (std::filesystem::path(path).extension() == ".exr") {
     writeLight(image, subject, path);
     return;

@@ -15,9 +15,11 @@ struct SolidScene {
 
 /// Streamlines or arrows of the field, cage, mesh and surface, in units of the domain's diagonal
 /// around its middle. @throws InputError, Cancelled
-SolidScene buildScene(const Subject& subject, const PictureOptions& options);
+SolidScene buildScene(const Subject& subject, const PictureOptions& options,
+                      const Context& context = {});
 
 /// Draws the whole domain in perspective.
-void drawSolid(const Subject& subject, const PictureOptions& options, const std::string& path);
+void drawSolid(const Subject& subject, const PictureOptions& options, const std::string& path,
+               const Context& context = {});
 
 }  // namespace octet

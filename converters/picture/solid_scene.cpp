@@ -44,9 +44,10 @@ Vec3 linear(const Vec3& srgb) {
 
 class SceneBuilder {
  public:
-  SceneBuilder(const Subject& subject, const PictureOptions& options)
+  SceneBuilder(const Subject& subject, const PictureOptions& options, const Context& context)
       : subject_(subject),
         options_(options),
+        context_(context),
         middle_((subject.bounds.min + subject.bounds.max) / 2),
         diagonal_(subject.bounds.size().norm()) {
     if (!(diagonal_ > 0) || !std::isfinite(diagonal_)) {
@@ -135,8 +136,8 @@ class SceneBuilder {
     placement.lines.longest = kLongest * diagonal_;
     placement.lines.slowest = kStill * fastest_;
     placement.lines.closing = kClosing * diagonal_;
-    placement.progress = options_.progress;
-    for (const Streamline& line : placeStreamlines(velocity(), subject_.bounds, placement)) {
+    for (const Streamline& line :
+         placeStreamlines(velocity(), subject_.bounds, placement, context_)) {
       Scene::Tube tube;
       tube.radius = kLineRadius;
       for (const StreamlinePoint& p : line.points) {
@@ -266,6 +267,7 @@ class SceneBuilder {
 
   const Subject& subject_;
   const PictureOptions& options_;
+  const Context& context_;
   const Vec3 middle_;
   const double diagonal_;
   double fastest_ = 0;
@@ -274,8 +276,9 @@ class SceneBuilder {
 
 }  // namespace
 
-SolidScene buildScene(const Subject& subject, const PictureOptions& options) {
-  return SceneBuilder(subject, options).build();
+SolidScene buildScene(const Subject& subject, const PictureOptions& options,
+                      const Context& context) {
+  return SceneBuilder(subject, options, context).build();
 }
 
 }  // namespace octet

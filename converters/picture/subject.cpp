@@ -54,9 +54,10 @@ const Form* chooseForm(const ControlAsset& asset, const std::string& name) {
 
 template <int K>
 void setField(const ControlAsset& asset, const Form& form, const Subdivision& subdivision,
-              const AssetSubjectOptions& options, Subject* subject) {
+              const AssetSubjectOptions& options, Subject* subject, const Context& context) {
   const auto field = makeField(subdivision, coefficients<K>(asset, form, options.frame),
-                               boundaryMode(asset, form, options.boundary), options.reconstruction);
+                               boundaryMode(asset, form, options.boundary), options.reconstruction,
+                               context);
   subject->components = kComponents<K>;
   subject->sample = [field](const Vec3& point, double* value) {
     typename Piece<kComponents<K>>::Value v;
@@ -112,16 +113,16 @@ SubjectShape assetShape(const ControlAsset& asset, const Subdivision& refiner,
 
 }  // namespace
 
-Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& options) {
+Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& options,
+                     const Context& context) {
   const Form* form = chooseForm(asset, options.form);
   RefinerOptions refinement;
   refinement.levels = chooseLevels(*asset.mesh.complex(), options.levels);
   refinement.zeta = options.zeta;
-  refinement.progress = options.progress;
-  const auto subdivision = options.boundary.subdivide(asset.mesh, refinement);
+  const auto subdivision = options.boundary.subdivide(asset.mesh, refinement, context.sub(0.6));
   const Subdivision& refiner = *subdivision;
   const Array<Vec3>& positions = options.reconstruction == Reconstruction::Limit
-                                     ? refiner.limitPositions()
+                                     ? refiner.limitPositions(context.sub(0.1))
                                      : refiner.positions(refiner.levels());
   Subject subject;
   subject.source = asset.name;
@@ -136,16 +137,16 @@ Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& optio
   subject.degree = form->degree;
   switch (form->degree) {
     case 0:
-      setField<0>(asset, *form, refiner, options, &subject);
+      setField<0>(asset, *form, refiner, options, &subject, context);
       break;
     case 1:
-      setField<1>(asset, *form, refiner, options, &subject);
+      setField<1>(asset, *form, refiner, options, &subject, context);
       break;
     case 2:
-      setField<2>(asset, *form, refiner, options, &subject);
+      setField<2>(asset, *form, refiner, options, &subject, context);
       break;
     default:
-      setField<3>(asset, *form, refiner, options, &subject);
+      setField<3>(asset, *form, refiner, options, &subject, context);
   }
   return subject;
 }

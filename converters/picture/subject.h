@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <octet/core/base/progress.h>
+#include <octet/core/base/context.h>
 #include <octet/core/field/field.h>
 
 #include "../control_asset/refined_document.h"
@@ -51,12 +51,12 @@ struct AssetSubjectOptions {
   BoundaryChoice boundary{};
   Reconstruction reconstruction = Reconstruction::Limit;
   double zeta = kDefaultZeta;
-  ProgressCallback progress{};
 };
 
 /// The field of a form of a control asset, refined; without forms the shape alone.
 /// @throws InputError, Cancelled
-Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& options);
+Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& options,
+                     const Context& context = {});
 
 /// A vector or scalar grid of a .vdb (vdb_sampler.h). @param grid  empty: the first vector grid,
 /// else the first scalar one. @throws InputError

@@ -73,25 +73,25 @@ void checkSpacing(const TriangleSurface& surface, double spacing) {
 class Fitting {
  public:
   Fitting(const TriangleSurface& surface, const SignedDistance& distance,
-          const LatticeFillOptions& lattice, const FillOptions& options)
+          const LatticeFillOptions& lattice, const FillOptions& options, const Context& context)
       : surface_(surface),
         sharp_(findSharpEdges(surface, options.sharpAngle, kLeastSharp * options.spacing)),
         bounds_(surface.bounds()),
         closest_(surface),
         distance_(distance),
         lattice_(lattice),
-        fit_(options.fit) {
-    fit_.progress = options.progress;
-  }
+        fit_(options.fit),
+        context_(context) {}
 
   ControlMesh run(FillReport* report) {
     for (int attempt = 0;; ++attempt) {
-      ControlMeshInput input = fillLattice(bounds_, distanceWithout(), lattice_, &report->lattice);
+      ControlMeshInput input =
+          fillLattice(bounds_, distanceWithout(), lattice_, &report->lattice, context_.sub(0.1));
       const ControlMesh filled = ControlMesh::build(input);
       input.vertices = fitBoundary(
           filled, filled.positions(),
           [&](const Vec3& p, Index) { return closest_.find(p).position; }, fit_,
-          &report->fit.emplace());
+          &report->fit.emplace(), context_.sub(0.2));
       std::vector<Index> around = report->fit->offSurface;
       const auto overlap = findOverlap(*filled.complex(), input.vertices);
       if (overlap) {
@@ -147,7 +147,7 @@ class Fitting {
     Array<Vec3> x;
     for (int attempt = 0;; ++attempt) {
       if (attempt == kAttempts || features.edges.empty()) return;
-      x = fitBoundary(filled, input->vertices, project, fit_, &fit);
+      x = fitBoundary(filled, input->vertices, project, fit_, &fit, context_.sub(0.1));
       std::vector<Index> bad = notThere(c, x, project, features);
       const bool worse = fit.offSurface.size() > report->fit->offSurface.size();
       if (worse) appendAround(c, fit.offSurface, &bad);
@@ -243,19 +243,20 @@ class Fitting {
   ClosestPoints closest_;
   const SignedDistance& distance_;
   const LatticeFillOptions& lattice_;
-  BoundaryFitOptions fit_;
+  const BoundaryFitOptions& fit_;
+  const Context& context_;
   std::vector<Vec3> dropped_;
 };
 
 }  // namespace
 
 ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& options,
-                        FillReport* report) {
+                        FillReport* report, const Context& context) {
   checkSpacing(surface, options.spacing);
   if (!(options.sharpAngle > 0 && options.sharpAngle <= 180)) {
     throw InputError("sharp-angle", "is not between 0 and 180");
   }
-  reportProgress(options.progress, {"find the inside", 0, 1, "surface"});
+  context.report({"find the inside", 0, 1, "surface"});
   const std::vector<SurfaceLayer> layers = layersOf(surface, options);
   FillReport done;
   for (std::size_t k = 0; k < layers.size(); ++k) {
@@ -265,12 +266,11 @@ ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& optio
   LatticeFillOptions lattice;
   lattice.spacing = options.spacing;
   lattice.depth = options.depth;
-  lattice.progress = options.progress;
   const SignedDistance distance = distanceTo(layers, options.spacing);
-  ControlMesh mesh =
-      options.fitBoundary
-          ? Fitting(surface, distance, lattice, options).run(&done)
-          : ControlMesh::build(fillLattice(surface.bounds(), distance, lattice, &done.lattice));
+  ControlMesh mesh = options.fitBoundary
+                         ? Fitting(surface, distance, lattice, options, context).run(&done)
+                         : ControlMesh::build(fillLattice(surface.bounds(), distance, lattice,
+                                                          &done.lattice, context));
   if (report) *report = done;
   return mesh;
 }

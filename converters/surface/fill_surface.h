@@ -19,7 +19,6 @@ struct FillOptions {
   /// Of a fit: edges at which the surface turns by more, in degrees, are followed by creases as far
   /// as no cell is inverted; 180 makes none.
   double sharpAngle = kSharpAngle;
-  ProgressCallback progress;
 };
 
 struct FillReport {
@@ -34,8 +33,8 @@ struct FillReport {
 /// inside and outside told by OpenVDB's meshToVolume. A part of the surface within another is a
 /// cavity, one within a cavity a body again, whichever way the triangles are oriented.
 /// @throws InputError for a surface that is not closed, intersects itself or is thinner everywhere
-/// than the lattice can fill; for a spacing that is not positive or makes too many cells.
+/// than the lattice can fill; for a spacing that is not positive or makes too many cells. Cancelled
 ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& options,
-                        FillReport* report = nullptr);
+                        FillReport* report = nullptr, const Context& context = {});
 
 }  // namespace octet

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bake.h"
 
+#include <algorithm>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+
+#include <octet/core/base/memory_budget.h>
 
 #include "form_baker.h"
 #include "form_choice.h"
@@ -38,8 +42,9 @@ class Planner {
     checkMethod(options, facts.refinement);
   }
 
-  ControlForm find(const Form& form, const std::string& grid, std::optional<int> frame) const {
-    return forms_.find(form, grid, frame, facts_);
+  ControlForm find(const Form& form, const std::string& grid, std::optional<int> frame,
+                   const Context& context) const {
+    return forms_.find(form, grid, frame, facts_, context);
   }
   BakePlan plan(const ControlForm& form) const { return planBake(form.facts, options_, facts_); }
 
@@ -62,13 +67,15 @@ std::vector<VdbMetadata> fileMetadata(const ControlAsset& asset, const Target& t
 
 }  // namespace
 
-BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path) {
+BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path,
+                const Context& context) {
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
-  const auto resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta));
-  checkMemory(resolution, machineMemory());
+  const auto resolution =
+      planResolution(options, findMeshFacts(asset.mesh, options.zeta, context.sub(0.02)));
+  checkMemory(resolution, memoryLimit());
   const auto files = filesOf(choice, path);
-  const FormBaker baker(asset.mesh, options, resolution.levels);
+  const FormBaker baker(asset.mesh, options, resolution.levels, context.sub(0.3));
   const BakeFacts facts{asset.units.upAxis, resolution, baker.facts()};
   const Planner planner(asset, options, facts);
   BakeReport report;
@@ -77,37 +84,42 @@ BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std
   report.voxelSize = resolution.voxelSize;
   report.meanEdge = facts.refinement.fineEdge;
   report.note = target.note;
+  const Context rest = context.sub(0.7);
   for (const auto& [to, frame] : files) {
+    const Context ofFile = rest.sub(1.0 / static_cast<double>(files.size()));
+    const double share = 0.9 / static_cast<double>(std::max<std::size_t>(1, choice.forms().size()));
     BakedFile file{to, frame, {}};
     VdbFile vdb;
     for (const Form* form : choice.forms()) {
-      const ControlForm control = planner.find(*form, choice.gridName(*form), frame);
-      file.grids.push_back(baker.execute(planner.plan(control), control, &vdb));
+      const Context ofForm = ofFile.sub(share);
+      const ControlForm control =
+          planner.find(*form, choice.gridName(*form), frame, ofForm.sub(0.1));
+      file.grids.push_back(baker.execute(planner.plan(control), control, &vdb, ofForm));
     }
-    vdb.write(to, fileMetadata(asset, target, frame), options.progress);
+    vdb.write(to, fileMetadata(asset, target, frame), ofFile);
     report.files.push_back(std::move(file));
   }
   return report;
 }
 
 BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
-                         const std::string& path) {
+                         const std::string& path, const Context& context) {
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
   BakeForecast forecast;
-  forecast.resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta));
-  forecast.memory = machineMemory();
+  forecast.resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta, context));
+  forecast.memory = memoryLimit();
   forecast.note = target.note;
   RefinerOptions unrefined;
   unrefined.levels = 0;
-  const auto unrefinedMesh = options.boundary.subdivide(asset.mesh, unrefined);
+  const auto unrefinedMesh = options.boundary.subdivide(asset.mesh, unrefined, context);
   const BakeFacts facts{asset.units.upAxis, forecast.resolution,
                         describe(*unrefinedMesh, forecast.resolution.fineEdge)};
   const Planner planner(asset, options, facts);
   for (const auto& [to, frame] : filesOf(choice, path)) {
     PlannedFile file{to, frame, {}};
     for (const Form* form : choice.forms()) {
-      file.grids.push_back(planner.plan(planner.find(*form, choice.gridName(*form), frame)));
+      file.grids.push_back(planner.plan(planner.find(*form, choice.gridName(*form), frame, context)));
     }
     forecast.files.push_back(std::move(file));
   }

@@ -26,8 +26,10 @@ struct BakeReport {
 /// @brief The main job: control asset to OpenVDB. One grid per form (converters/README.md,
 /// "Grids"); an animated asset becomes a numbered sequence `name.0001.vdb`, for which topology is
 /// refined once.
-/// @throws InputError, IoError, Cancelled; files finished before stay, the one in work does not.
-BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path);
+/// @throws InputError, IoError, MemoryError, Cancelled; files finished before stay, the one in work
+/// does not.
+BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path,
+                const Context& context = {});
 
 /// What a bake would do: one file of it.
 struct PlannedFile {
@@ -48,6 +50,6 @@ struct BakeForecast {
 /// refined just once, so that the size of cells is foreseen instead of measured.
 /// @throws InputError as bake() does before it refines, but for memory: the forecast tells
 BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
-                         const std::string& path);
+                         const std::string& path, const Context& context = {});
 
 }  // namespace octet

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include <unistd.h>
-
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/with_degree.h>
 #include <octet/core/topology/domain_box.h>
@@ -18,23 +16,18 @@ constexpr double kCancelled = 1e-14;
 
 }  // namespace
 
-MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta) {
+MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta, const Context& context) {
   RefinerOptions options;
   options.levels = 1;
   options.zeta = zeta;
-  const Refiner refiner(mesh, options);
-  const Limit limit(refiner);
+  const Refiner refiner(mesh, options, context);
+  const Limit limit(refiner, context);
   MeshFacts facts;
   facts.controlEdge = meanEdge(*mesh.complex(), mesh.positions());
   facts.longestSide = domainBox(refiner.finest(), limit.positions()).size().maxCoeff();
   facts.firstEdge = meanEdge(refiner.finest(), limit.positions());
   facts.firstCells = static_cast<double>(refiner.finest().cellCount());
   return facts;
-}
-
-double machineMemory() {
-  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
-  return pages > 0 && size > 0 ? static_cast<double>(pages) * static_cast<double>(size) : HUGE_VAL;
 }
 
 RefinementFacts describe(const Subdivision& subdivision, double fineEdge) {
@@ -45,7 +38,7 @@ ControlForms::ControlForms(const ControlAsset& asset, const BakeOptions& options
     : asset_(asset), options_(options), planner_(asset.mesh) {}
 
 ControlForm ControlForms::find(const Form& form, const std::string& grid, std::optional<int> frame,
-                               const BakeFacts& facts) const {
+                               const BakeFacts& facts, const Context& context) const {
   ControlForm result;
   result.facts.name = form.name;
   result.facts.unit = form.unit;
@@ -57,7 +50,7 @@ ControlForm ControlForms::find(const Form& form, const std::string& grid, std::o
       if (options_.derivative) {
         result.facts.mode = derivativeMode<K>(form);
         const auto given = coefficients<K>(asset_, form, number);
-        take<K + 1>(derivative<K>(form, number), &given, facts, &result);
+        take<K + 1>(derivative<K>(form, number), &given, facts, &result, context);
         return;
       }
     }
@@ -65,12 +58,12 @@ ControlForm ControlForms::find(const Form& form, const std::string& grid, std::o
     auto control = coefficients<K>(asset_, form, number);
     if constexpr (K == 1 || K == 2) {
       if (options_.project) {
-        auto closed = planner_.closest(control);
+        auto closed = planner_.closest(control, context);
         control = std::move(closed.form);
         if (closed.was) result.facts.projected = Projected{*closed.was, closed.changed};
       }
     }
-    take<K>(std::move(control), nullptr, facts, &result);
+    take<K>(std::move(control), nullptr, facts, &result, context);
   });
   return result;
 }
@@ -79,11 +72,11 @@ ControlForm ControlForms::find(const Form& form, const std::string& grid, std::o
 /// @param given  a potential of the control form, or null
 template <int K>
 void ControlForms::take(Cochain<K> control, const Cochain<K - 1>* given, const BakeFacts& facts,
-                        ControlForm* result) const {
+                        ControlForm* result, const Context& context) const {
   result->facts.degree = K;
   if constexpr (K == 1 || K == 2) {
     if (seeksPotential(K, options_, facts)) {
-      findPotential(control, given, result);
+      findPotential(control, given, result, context);
     } else {
       result->facts.open = planner_.whereOpen(control);
     }
@@ -92,7 +85,8 @@ void ControlForms::take(Cochain<K> control, const Cochain<K - 1>* given, const B
 }
 
 void ControlForms::findPotential(const Cochain<1>& control, const Cochain<0>* given,
-                                 ControlForm* result) const {
+                                 ControlForm* result, const Context& context) const {
+  context.poll();
   auto potential = given ? *given : scalarPotential(*asset_.mesh.complex(), control);
   result->facts.hasPotential = potential.has_value();
   if (potential) {
@@ -103,8 +97,8 @@ void ControlForms::findPotential(const Cochain<1>& control, const Cochain<0>* gi
 }
 
 void ControlForms::findPotential(const Cochain<2>& control, const Cochain<1>* given,
-                                 ControlForm* result) const {
-  VelocityPlan plan = planner_.plan(control, given);
+                                 ControlForm* result, const Context& context) const {
+  VelocityPlan plan = planner_.plan(control, given, context);
   result->facts.hasPotential = plan.potential.has_value();
   result->facts.flaw = std::move(plan.flaw);
   if (plan.potential) result->potential = std::move(plan.potential->form);

@@ -6,10 +6,7 @@
 namespace octet {
 
 /// Refines a mesh once to see what the levels after it will be like.
-MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta);
-
-/// The machine's memory in bytes. Beyond it the system would end the program, or others.
-double machineMemory();
+MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta, const Context& context = {});
 
 /// Tells what a subdivision can do. @param fineEdge  mean edge of the finest level
 RefinementFacts describe(const Subdivision& subdivision, double fineEdge);
@@ -36,7 +33,7 @@ class ControlForms {
 
   /// @param frame  none for a constant asset. @throws InputError, Cancelled
   ControlForm find(const Form& form, const std::string& grid, std::optional<int> frame,
-                   const BakeFacts& facts) const;
+                   const BakeFacts& facts, const Context& context = {}) const;
 
  private:
   template <int K>
@@ -45,9 +42,11 @@ class ControlForms {
   BoundaryMode derivativeMode(const Form& form) const;
   template <int K>
   void take(Cochain<K> control, const Cochain<K - 1>* given, const BakeFacts& facts,
-            ControlForm* result) const;
-  void findPotential(const Cochain<1>& control, const Cochain<0>* given, ControlForm* result) const;
-  void findPotential(const Cochain<2>& control, const Cochain<1>* given, ControlForm* result) const;
+            ControlForm* result, const Context& context) const;
+  void findPotential(const Cochain<1>& control, const Cochain<0>* given, ControlForm* result,
+                     const Context& context) const;
+  void findPotential(const Cochain<2>& control, const Cochain<1>* given, ControlForm* result,
+                     const Context& context) const;
 
   const ControlAsset& asset_;
   const BakeOptions& options_;

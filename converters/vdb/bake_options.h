@@ -36,7 +36,6 @@ struct BakeOptions {
   bool project = false;  ///< replace 1- and 2-forms that are not closed by the nearest closed ones
   std::optional<std::pair<int, int>> frames;  ///< first and last; absent: all that the forms have
   double zeta = kDefaultZeta;
-  ProgressCallback progress{};
 };
 
 }  // namespace octet

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include <octet/core/base/error.h>
+#include <octet/core/base/memory_budget.h>
 #include <octet/core/raster/flux_rasterizer.h>
 
 #include "targets.h"
@@ -107,14 +107,13 @@ ResolutionPlan planResolution(const BakeOptions& options, const MeshFacts& facts
 
 void checkMemory(const ResolutionPlan& plan, double memory) {
   if (plan.bytes <= memory) return;
-  const auto inUnits = [](double x, double unit) {
-    return std::to_string(static_cast<std::int64_t>(std::llround(x / unit)));
-  };
-  throw InputError("levels", std::to_string(plan.levels) + " would make about " +
-                                 inUnits(plan.cells, 1e6) + " million cells, which need up to " +
-                                 inUnits(plan.bytes, 1e9) + " GB of memory; this machine has " +
-                                 inUnits(memory, 1e9) +
-                                 " GB; give fewer --levels or larger voxels");
+  throw MemoryError("levels",
+                    std::to_string(plan.levels) + " would make about " +
+                        std::to_string(std::llround(plan.cells / 1e6)) +
+                        " million cells, which need up to " + inGigabytes(plan.bytes) +
+                        " of memory; there are " + inGigabytes(memory) +
+                        "; give fewer --levels or larger voxels",
+                    plan.bytes, memory);
 }
 
 void checkMethod(const BakeOptions& options, const RefinementFacts& refinement) {

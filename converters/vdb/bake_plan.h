@@ -35,7 +35,7 @@ struct ResolutionPlan {
 /// @throws InputError for sizes that are none
 ResolutionPlan planResolution(const BakeOptions& options, const MeshFacts& facts);
 
-/// @throws InputError when a bake needs more than `memory` bytes
+/// @throws MemoryError when a bake needs more than `memory` bytes
 void checkMemory(const ResolutionPlan& plan, double memory);
 
 /// What is known of the refined mesh: measured, or foreseen.

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <octet/core/base/context.h>
+
 #include "metadata.h"
 
 namespace octet {
@@ -53,6 +55,8 @@ struct VerifiedGrid {
 /// float or double grids named alike up to a last x, y, z or 0, 1, 2 ("vel.x", "velocityX", "v_0").
 /// @param name  of the only grid wanted; empty: all
 /// @throws InputError when the file cannot be read, has no vector grid or none of that name.
-std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& name = "");
+/// Cancelled
+std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& name = "",
+                                    const Context& context = {});
 
 }  // namespace octet

@@ -9,13 +9,13 @@
 
 namespace octet {
 
-FormBaker::FormBaker(const ControlMesh& mesh, const BakeOptions& options, int levels)
+FormBaker::FormBaker(const ControlMesh& mesh, const BakeOptions& options, int levels,
+                     const Context& context)
     : options_(options), target_(findTarget(options.target)) {
   RefinerOptions refinerOptions;
   refinerOptions.levels = levels;
   refinerOptions.zeta = options.zeta;
-  refinerOptions.progress = options.progress;
-  refinement_ = options.boundary.subdivide(mesh, refinerOptions);
+  refinement_ = options.boundary.subdivide(mesh, refinerOptions, context);
 }
 
 RefinementFacts FormBaker::facts() const {
@@ -23,59 +23,60 @@ RefinementFacts FormBaker::facts() const {
 }
 
 VdbGridInfo FormBaker::execute(const BakePlan& plan, const ControlForm& control,
-                               VdbFile* file) const {
+                               VdbFile* file, const Context& context) const {
   switch (plan.method) {
     case GridMethod::Circulations:
-      return addCirculations(plan, control, file);
+      return addCirculations(plan, control, file, context);
     case GridMethod::Differences:
-      return addDifferences(plan, control, file);
+      return addDifferences(plan, control, file, context);
     case GridMethod::Samples:
     case GridMethod::None:
       break;
   }
   return withDegree(plan.degree, [&](auto degree) {
-    return addSamples<decltype(degree)::value>(plan, control, file);
+    return addSamples<decltype(degree)::value>(plan, control, file, context);
   });
 }
 
 template <int K>
 VdbGridInfo FormBaker::addSamples(const BakePlan& plan, const ControlForm& control,
-                                  VdbFile* file) const {
-  const auto field = makeField(*refinement_, control.as<K>(), plan.mode, plan.reconstruction);
+                                  VdbFile* file, const Context& context) const {
+  const auto field = makeField(*refinement_, control.as<K>(), plan.mode, plan.reconstruction,
+                               context.sub(0.2));
   return file->add(turnedField(field, refinement_->finest(), plan.turn), gridSpec(plan),
-                   options_.progress);
+                   context);
 }
 
 /// A flux is baked from its vector potential: by commutation the refined potential's derivative is
 /// the refined form.
 VdbGridInfo FormBaker::addCirculations(const BakePlan& plan, const ControlForm& control,
-                                       VdbFile* file) const {
+                                       VdbFile* file, const Context& context) const {
   const auto& potential = std::get<Cochain<1>>(control.potential);
-  const Array<Vec3> vectors = plan.turn(refinement_->limitVectors(control.as<2>(), plan.mode));
+  const Array<Vec3> vectors = plan.turn(refinement_->limitVectors(control.as<2>(), plan.mode, context.sub(0.1)));
   const bool walls = plan.mode == BoundaryMode::Walls && refinement_->boundaryRule().empty();
   PotentialField field(refinement_->finest(),
                        plan.turn(refinement_->positions(plan.resolution.levels)),
-                       refinement_->refine(potential, plan.mode), vectors, walls);
+                       refinement_->refine(potential, plan.mode, context.sub(0.1)), vectors, walls);
   if (plan.sampling == Sampling::Staggered) {
-    return file->add(field, gridSpec(plan), options_.progress);
+    return file->add(field, gridSpec(plan), context);
   }
   const VectorField samples(std::make_shared<VertexField<3>>(
       refinement_->finest(), plan.turn(refinement_->limitPositions()), vectors));
   const MeanFluxField means{samples, std::move(field), plan.neighbours};
-  return file->add(means, gridSpec(plan), options_.progress);
+  return file->add(means, gridSpec(plan), context);
 }
 
 /// A gradient is baked as differences of its potential.
 VdbGridInfo FormBaker::addDifferences(const BakePlan& plan, const ControlForm& control,
-                                      VdbFile* file) const {
+                                      VdbFile* file, const Context& context) const {
   const auto& potential = std::get<Cochain<0>>(control.potential);
   const auto finest = refinement_->finest();
   const GradientField field = makeGradientField(
-      finest, refinement_->limitPositions(), refinement_->limitValues(potential, plan.mode),
-      refinement_->limitVectors(control.as<1>(), plan.mode));
+      finest, refinement_->limitPositions(), refinement_->limitValues(potential, plan.mode, context.sub(0.1)),
+      refinement_->limitVectors(control.as<1>(), plan.mode, context.sub(0.1)));
   const GradientField turned{turnedField(field.base, finest, plan.turn),
                              turnedField(field.vectors, finest, plan.turn)};
-  return file->add(turned, gridSpec(plan), options_.progress);
+  return file->add(turned, gridSpec(plan), context);
 }
 
 VdbGridSpec FormBaker::gridSpec(const BakePlan& plan) const {

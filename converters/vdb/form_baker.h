@@ -14,21 +14,25 @@ namespace octet {
 class FormBaker {
  public:
   /// Refines the mesh. The arguments must outlive it. @throws Cancelled
-  FormBaker(const ControlMesh& mesh, const BakeOptions& options, int levels);
+  FormBaker(const ControlMesh& mesh, const BakeOptions& options, int levels,
+            const Context& context = {});
 
   const Complex& finest() const { return *refinement_->finest(); }
   /// What the refined mesh turned out to be.
   RefinementFacts facts() const;
 
   /// Adds a grid to a file. @throws InputError, Cancelled
-  VdbGridInfo execute(const BakePlan& plan, const ControlForm& control, VdbFile* file) const;
+  VdbGridInfo execute(const BakePlan& plan, const ControlForm& control, VdbFile* file,
+                      const Context& context = {}) const;
 
  private:
   template <int K>
-  VdbGridInfo addSamples(const BakePlan& plan, const ControlForm& control, VdbFile* file) const;
+  VdbGridInfo addSamples(const BakePlan& plan, const ControlForm& control, VdbFile* file,
+                         const Context& context) const;
   VdbGridInfo addCirculations(const BakePlan& plan, const ControlForm& control,
-                              VdbFile* file) const;
-  VdbGridInfo addDifferences(const BakePlan& plan, const ControlForm& control, VdbFile* file) const;
+                              VdbFile* file, const Context& context) const;
+  VdbGridInfo addDifferences(const BakePlan& plan, const ControlForm& control, VdbFile* file,
+                             const Context& context) const;
   VdbGridSpec gridSpec(const BakePlan& plan) const;
 
   const BakeOptions& options_;

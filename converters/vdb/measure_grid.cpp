@@ -47,6 +47,7 @@ struct MeasureOperators {
   bool staggered;
   double rounding;  // divergences up to this are none
   std::vector<LeafSums>* sums;
+  const Context& context;
 
   template <typename Map>
   void operator()(const Map& map) const {
@@ -62,6 +63,7 @@ struct MeasureOperators {
   template <typename Divergence, typename Curl, typename Map>
   void measure(const Map& map) const {
     leaves->foreach ([&](const auto& leaf, std::size_t n) {
+      context.poll();
       const auto accessor = grid.getConstAccessor();
       LeafSums& s = (*sums)[n];
       for (auto it = leaf.cbeginValueOn(); it; ++it) {
@@ -93,8 +95,10 @@ class MeasureValues {
  public:
   MeasureValues(const Grid& grid, bool staggered) : grid_(grid), staggered_(staggered) {}
 
-  void operator()(LeavesOf<Grid>* leaves, std::vector<LeafSums>* sums) const {
+  void operator()(LeavesOf<Grid>* leaves, std::vector<LeafSums>* sums,
+                  const Context& context) const {
     leaves->foreach ([&](const auto& leaf, std::size_t n) {
+      context.poll();
       const auto accessor = grid_.getConstAccessor();
       for (auto it = leaf.cbeginValueOn(); it; ++it) {
         add(accessor, it.getCoord(), openvdb::Vec3d(it.getValue()), &(*sums)[n]);
@@ -177,7 +181,7 @@ bool isStaggered(const openvdb::GridBase& grid) {
 }
 
 template <typename Grid>
-Certificate measureGrid(const Grid& original) {
+Certificate measureGrid(const Grid& original, const Context& context) {
   typename Grid::ConstPtr grid = original.copy();  // shares the tree
   if (original.tree().hasActiveTiles()) {
     const auto voxels = original.deepCopy();
@@ -188,11 +192,11 @@ Certificate measureGrid(const Grid& original) {
   LeavesOf<Grid> leaves(grid->tree());
   const VoxelMeasure voxel(*grid);
   std::vector<LeafSums> sums(leaves.leafCount());
-  MeasureValues<Grid>(*grid, staggered)(&leaves, &sums);
+  MeasureValues<Grid>(*grid, staggered)(&leaves, &sums, context);
   double maxSpeed = 0;
   for (const LeafSums& s : sums) maxSpeed = std::max(maxSpeed, s.maxSpeed);
-  const MeasureOperators<Grid> measure{*grid, &leaves, staggered,
-                                       kFloatDivergence * maxSpeed / voxel.edge, &sums};
+  const MeasureOperators<Grid> measure{
+      *grid, &leaves, staggered, kFloatDivergence * maxSpeed / voxel.edge, &sums, context};
   if (!openvdb::math::processTypedMap(grid->transform(), measure)) {
     throw openvdb::TypeError("a transform of type " + grid->transform().mapType());
   }
@@ -202,8 +206,8 @@ Certificate measureGrid(const Grid& original) {
   return c;
 }
 
-template Certificate measureGrid(const openvdb::Vec3SGrid&);
-template Certificate measureGrid(const openvdb::Vec3DGrid&);
+template Certificate measureGrid(const openvdb::Vec3SGrid&, const Context&);
+template Certificate measureGrid(const openvdb::Vec3DGrid&, const Context&);
 
 std::vector<VdbMetadata> toMetadata(const Certificate& c) {
   return {{"octet_divergence_scheme", c.scheme},

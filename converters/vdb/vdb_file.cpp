@@ -33,31 +33,29 @@ class VdbArchive : public openvdb::io::Archive {
   }
 };
 
-/// A file that reports how much was written; when that cancels, writing fails.
+/// A file that reports how much was written.
 class ReportingFile : public std::filebuf {
  public:
-  ReportingFile(std::string stage, const ProgressCallback& progress)
-      : stage_(std::move(stage)), progress_(progress) {}
-  bool cancelled() const { return cancelled_; }
-  void finish() const { reportProgress(progress_, {stage_, written_, written_, "bytes"}); }
+  ReportingFile(std::string stage, const Context& context)
+      : stage_(std::move(stage)), context_(context) {}
+  void finish() const { context_.report({stage_, written_, written_, "bytes"}); }
 
  protected:
   std::streamsize xsputn(const char* data, std::streamsize n) override {
     written_ += static_cast<std::size_t>(n);
-    if (progress_ && written_ - reported_ >= kBytesPerReport) {
+    if (written_ - reported_ >= kBytesPerReport) {
       reported_ = written_;
-      cancelled_ |= !progress_({stage_, written_, 0, "bytes"});
+      context_.report({stage_, written_, 0, "bytes"});
     }
-    return cancelled_ ? 0 : std::filebuf::xsputn(data, n);
+    return std::filebuf::xsputn(data, n);
   }
 
  private:
   static constexpr std::size_t kBytesPerReport = 1 << 20;
 
   std::string stage_;
-  const ProgressCallback& progress_;
+  const Context& context_;
   std::size_t written_ = 0, reported_ = 0;
-  bool cancelled_ = false;
 };
 
 /// OpenVDB gives each file a random tag; this one tells the content instead, so that the same bake
@@ -158,12 +156,15 @@ void initialize() {
 
 /// Range of the active values.
 template <typename Grid>
-bool measureRange(const openvdb::GridBase& base, VdbGridInfo* info) {
+bool measureRange(const openvdb::GridBase& base, const Context& context, VdbGridInfo* info) {
   const auto* grid = dynamic_cast<const Grid*>(&base);
   if (!grid) return false;
   info->leaves = grid->tree().leafCount();
+  constexpr std::uint64_t kValuesPerPoll = 1 << 16;
+  std::uint64_t seen = 0;
   double min = HUGE_VAL, max = -HUGE_VAL;
   for (auto it = grid->cbeginValueOn(); it; ++it) {
+    if (++seen % kValuesPerPoll == 0) context.poll();
     double size;
     if constexpr (openvdb::VecTraits<typename Grid::ValueType>::IsVec) {
       size = openvdb::Vec3d(it.getValue()).length();
@@ -209,7 +210,7 @@ VdbGridInfo finish(const VdbGridSpec& spec, GridMethod method, std::uint64_t sam
   const Certificate certificate = measureGrid(*grid);
   addMetadata(grid, toMetadata(certificate));
   VdbGridInfo info = describe(*grid);
-  measureRange<openvdb::Vec3SGrid>(*grid, &info);
+  measureRange<openvdb::Vec3SGrid>(*grid, context, &info);
   info.certificate = certificate;
   info.method = method;
   info.sampledVoxels = sampled;
@@ -228,11 +229,11 @@ VdbFile::~VdbFile() = default;
 VdbFile::VdbFile(VdbFile&&) noexcept = default;
 
 VdbGridInfo VdbFile::add(const VectorField& field, const VdbGridSpec& spec,
-                         const ProgressCallback& progress) {
+                         const Context& context) {
   const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
       [&](const auto& sink) {
         rasterize<3>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name,
-                     progress);
+                     context.sub(0.8));
       },
       spec);
   grids_->list.push_back(grid);
@@ -240,10 +241,10 @@ VdbGridInfo VdbFile::add(const VectorField& field, const VdbGridSpec& spec,
 }
 
 VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
-                         const ProgressCallback& progress) {
+                         const Context& context) {
   const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
       [&](const auto& sink) {
-        rasterizeFluxes(field, spec.frame, sink, "bake " + spec.name, progress);
+        rasterizeFluxes(field, spec.frame, sink, "bake " + spec.name, context.sub(0.8));
       },
       spec);
   grids_->list.push_back(grid);
@@ -251,17 +252,17 @@ VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
 }
 
 VdbGridInfo VdbFile::add(const MeanFluxField& field, const VdbGridSpec& spec,
-                         const ProgressCallback& progress) {
+                         const Context& context) {
   const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
       [&](const auto& sink) {
         rasterize<3>(field.samples.source(), spec.frame, Sampling::Collocated, sink,
-                     "sample " + spec.name, progress);
+                     "sample " + spec.name, context.sub(0.3));
       },
       spec);
   const std::uint64_t replaced = replaceValues(
       [&](const auto& sink) {
         rasterizeMeanFluxes(field.potential, spec.frame, field.neighbours, sink,
-                            "bake " + spec.name, progress);
+                            "bake " + spec.name, context.sub(0.8));
       },
       spec, grid.get());
   grids_->list.push_back(grid);
@@ -270,10 +271,11 @@ VdbGridInfo VdbFile::add(const MeanFluxField& field, const VdbGridSpec& spec,
 }
 
 VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
-                         const ProgressCallback& progress) {
+                         const Context& context) {
   const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
       [&](const auto& sink) {
-        rasterizeDifferences(field, spec.frame, spec.sampling, sink, "bake " + spec.name, progress);
+        rasterizeDifferences(field, spec.frame, spec.sampling, sink, "bake " + spec.name,
+                             context.sub(0.8));
       },
       spec);
   grids_->list.push_back(grid);
@@ -281,11 +283,11 @@ VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
 }
 
 VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
-                         const ProgressCallback& progress) {
+                         const Context& context) {
   const auto grid = fillGrid<openvdb::FloatGrid, 1>(
       [&](const auto& sink) {
         rasterize<1>(field.source(), spec.frame, spec.sampling, sink, "bake " + spec.name,
-                     progress);
+                     context.sub(0.8));
       },
       spec);
   grids_->list.push_back(grid);
@@ -297,9 +299,9 @@ VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
 }
 
 void VdbFile::write(const std::string& path, const std::vector<VdbMetadata>& fileMetadata,
-                    const ProgressCallback& progress) const {
+                    const Context& context) const {
   AtomicFile file(path);
-  ReportingFile buffer("write " + std::filesystem::path(path).filename().string(), progress);
+  ReportingFile buffer("write " + std::filesystem::path(path).filename().string(), context);
   const auto fail = [&] {
     return IoError(path, std::string("cannot be written: ") +
                              (errno ? std::strerror(errno) : "the disk may be full"));
@@ -309,16 +311,17 @@ void VdbFile::write(const std::string& path, const std::vector<VdbMetadata>& fil
     throw fail();
   }
   std::ostream stream(&buffer);
+  stream.exceptions(std::ios::badbit);  // else it would keep what a report throws
   try {
     openvdb::MetaMap metadata;
     metadata.insertMeta("creator", openvdb::StringMetadata(std::string("OctetVDB ") + kVersion));
     addMetadata(&metadata, fileMetadata);
     VdbArchive().writeTo(stream, grids_->list, metadata);
   } catch (const openvdb::Exception& e) {
-    if (buffer.cancelled()) throw Cancelled();
     throw IoError(path, std::string("cannot be written: ") + e.what());
+  } catch (const std::ios::failure&) {
+    throw fail();
   }
-  if (buffer.cancelled()) throw Cancelled();
   if (!buffer.close() || !stream) throw fail();
   tagByContent(file.temporaryPath());
   buffer.finish();
@@ -326,18 +329,19 @@ void VdbFile::write(const std::string& path, const std::vector<VdbMetadata>& fil
 }
 
 std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
-                                     std::vector<VdbMetadata>* fileMetadata) {
+                                     std::vector<VdbMetadata>* fileMetadata,
+                                     const Context& context) {
   const VdbContents contents = readVdb(path);
   if (fileMetadata) *fileMetadata = readMetadata(*contents.metadata);
   std::vector<VdbGridInfo> result;
   for (const openvdb::GridBase::Ptr& grid : *contents.grids) {
     VdbGridInfo info = describe(*grid);
-    measureRange<openvdb::FloatGrid>(*grid, &info) ||
-        measureRange<openvdb::Vec3SGrid>(*grid, &info) ||
-        measureRange<openvdb::DoubleGrid>(*grid, &info) ||
-        measureRange<openvdb::Vec3DGrid>(*grid, &info) ||
-        measureRange<openvdb::Int32Grid>(*grid, &info) ||
-        measureRange<openvdb::Int64Grid>(*grid, &info);
+    measureRange<openvdb::FloatGrid>(*grid, context, &info) ||
+        measureRange<openvdb::Vec3SGrid>(*grid, context, &info) ||
+        measureRange<openvdb::DoubleGrid>(*grid, context, &info) ||
+        measureRange<openvdb::Vec3DGrid>(*grid, context, &info) ||
+        measureRange<openvdb::Int32Grid>(*grid, context, &info) ||
+        measureRange<openvdb::Int64Grid>(*grid, context, &info);
     result.push_back(std::move(info));
   }
   return result;

@@ -65,24 +65,23 @@ class VdbFile {
 
   /// Samples a field on a grid: vectors to vec3s, scalars to float.
   /// @throws InputError (voxel size), Cancelled
-  VdbGridInfo add(const VectorField& field, const VdbGridSpec& spec,
-                  const ProgressCallback& progress = {});
+  VdbGridInfo add(const VectorField& field, const VdbGridSpec& spec, const Context& context = {});
   /// The curl of a potential, with a discrete divergence of zero (flux_rasterizer.h): staggered.
   VdbGridInfo add(const PotentialField& field, const VdbGridSpec& spec,
-                  const ProgressCallback& progress = {});
+                  const Context& context = {});
   /// What is active is what samples alone would make active.
   VdbGridInfo add(const MeanFluxField& field, const VdbGridSpec& spec,
-                  const ProgressCallback& progress = {});
+                  const Context& context = {});
   /// Differences of a potential, with a discrete curl of zero (difference_rasterizer.h).
   VdbGridInfo add(const GradientField& field, const VdbGridSpec& spec,
-                  const ProgressCallback& progress = {});
+                  const Context& context = {});
   VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec,
-                  const ProgressCallback& progress = {});
+                  const Context& context = {});
 
   /// The same grids make the same bytes: the file's unique tag is made from its content.
   /// @throws IoError, Cancelled
   void write(const std::string& path, const std::vector<VdbMetadata>& fileMetadata = {},
-             const ProgressCallback& progress = {}) const;
+             const Context& context = {}) const;
 
  private:
   struct Grids;
@@ -91,6 +90,7 @@ class VdbFile {
 
 /// Reads what a .vdb holds. @throws InputError when it cannot be read.
 std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
-                                     std::vector<VdbMetadata>* fileMetadata = nullptr);
+                                     std::vector<VdbMetadata>* fileMetadata = nullptr,
+                                     const Context& context = {});
 
 }  // namespace octet

@@ -16,9 +16,10 @@ namespace octet {
 namespace {
 
 template <typename Grid>
-VerifiedGrid verified(const std::string& name, const std::string& type, const Grid& grid) {
+VerifiedGrid verified(const std::string& name, const std::string& type, const Grid& grid,
+                      const Context& context) {
   return {name, type, openvdb::GridBase::gridClassToString(grid.getGridClass()),
-          grid.voxelSize()[0], measureGrid(grid)};
+          grid.voxelSize()[0], measureGrid(grid, context)};
 }
 
 /// Grids of one number per voxel that end in x, y, z (or 0, 1, 2): their common beginning.
@@ -78,15 +79,16 @@ std::map<std::string, Triple> findTriples(const openvdb::GridPtrVec& grids) {
   return complete;
 }
 
-std::vector<VerifiedGrid> measureAll(const openvdb::GridPtrVec& grids, const std::string& wanted) {
+std::vector<VerifiedGrid> measureAll(const openvdb::GridPtrVec& grids, const std::string& wanted,
+                                     const Context& context) {
   std::vector<VerifiedGrid> result;
   const auto chosen = [&](const std::string& name) { return wanted.empty() || name == wanted; };
   for (const auto& grid : grids) {
     if (!chosen(grid->getName())) continue;
     if (const auto floats = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid)) {
-      result.push_back(verified(grid->getName(), grid->valueType(), *floats));
+      result.push_back(verified(grid->getName(), grid->valueType(), *floats, context));
     } else if (const auto doubles = openvdb::gridPtrCast<openvdb::Vec3DGrid>(grid)) {
-      result.push_back(verified(grid->getName(), grid->valueType(), *doubles));
+      result.push_back(verified(grid->getName(), grid->valueType(), *doubles, context));
     }
   }
   for (const auto& [name, parts] : findTriples(grids)) {
@@ -94,10 +96,10 @@ std::vector<VerifiedGrid> measureAll(const openvdb::GridPtrVec& grids, const std
     const std::string type = "3 x " + parts[0]->valueType();
     if (parts[0]->isType<openvdb::FloatGrid>()) {
       result.push_back(
-          verified(name, type, *merged<openvdb::Vec3SGrid, openvdb::FloatGrid>(parts)));
+          verified(name, type, *merged<openvdb::Vec3SGrid, openvdb::FloatGrid>(parts), context));
     } else {
       result.push_back(
-          verified(name, type, *merged<openvdb::Vec3DGrid, openvdb::DoubleGrid>(parts)));
+          verified(name, type, *merged<openvdb::Vec3DGrid, openvdb::DoubleGrid>(parts), context));
     }
   }
   return result;
@@ -105,7 +107,8 @@ std::vector<VerifiedGrid> measureAll(const openvdb::GridPtrVec& grids, const std
 
 }  // namespace
 
-std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& name) {
+std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& name,
+                                    const Context& context) {
   openvdb::initialize();
   if (!std::ifstream(path)) {
     throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
@@ -119,7 +122,7 @@ std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& 
     for (const auto& grid : *grids) {
       names += (names.empty() ? "" : ", ") + grid->getName() + " (" + grid->valueType() + ")";
     }
-    result = measureAll(*grids, name);
+    result = measureAll(*grids, name, context);
     file.close();
   } catch (const openvdb::Exception& e) {
     throw InputError(path, "", std::string("is not a readable .vdb: ") + e.what());

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include <octet/core/base/parallel.h>
+#include <octet/core/base/reported_loop.h>
 #include <octet/core/field/field.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/composite_de_rham.h>
@@ -30,7 +30,7 @@ std::optional<int> frameNumber(const std::string& path) {
 
 /// Sums of |a|^2 over indices, the same at any number of threads.
 template <typename Of>
-double sumOfSquares(std::size_t count, const Of& of) {
+double sumOfSquares(std::size_t count, const Context& context, const Of& of) {
   constexpr std::size_t kBlock = 4096;
   std::vector<double> parts((count + kBlock - 1) / kBlock, 0.0);
   parallelFor<std::size_t>(
@@ -40,7 +40,7 @@ double sumOfSquares(std::size_t count, const Of& of) {
           parts[b] += of(k);
         }
       },
-      1);
+      context, 1);
   double sum = 0;
   for (const double part : parts) sum += part;
   return sum;
@@ -49,14 +49,15 @@ double sumOfSquares(std::size_t count, const Of& of) {
 template <int K>
 class Sampler {
  public:
-  Sampler(ControlAsset* asset, const SampleOptions& options)
+  Sampler(ControlAsset* asset, const SampleOptions& options, const Context& context)
       : asset_(asset),
         options_(options),
-        refiner_(asset->mesh, refinerOptions()),
-        limit_(refiner_) {
+        context_(context),
+        refiner_(asset->mesh, refinerOptions(), context.sub(0.1)),
+        limit_(refiner_, context.sub(0.02)) {
     if (options_.closed) {
       const Array<Vec3>& x = asset->mesh.positions();
-      projection_.emplace(complex(), x, fixedBy<K>(options_.boundary, complex(), x));
+      projection_.emplace(complex(), x, fixedBy<K>(options_.boundary, complex(), x), context);
     }
   }
 
@@ -70,7 +71,7 @@ class Sampler {
     form.signs.assign(form.simplices.size(), 1);
     const std::vector<std::optional<int>> numbers = frameNumbers(paths);
     for (std::size_t k = 0; k < paths.size(); ++k) {
-      reportProgress(options_.progress, {"sample", k, paths.size(), "files"});
+      context_.report({"sample", k, paths.size(), "files"});
       const VelocitySource source(paths[k], options_.read);
       SampledFrame frame = describe(paths[k], numbers[k], source);
       const Cochain<K> coefficients = sample(source, &frame);
@@ -84,7 +85,7 @@ class Sampler {
       report.sourceBytes += frame.bytes;
       report.frames.push_back(std::move(frame));
     }
-    reportProgress(options_.progress, {"sample", paths.size(), paths.size(), "files"});
+    context_.report({"sample", paths.size(), paths.size(), "files"});
     put(std::move(form));
     return report;
   }
@@ -96,7 +97,6 @@ class Sampler {
     RefinerOptions result;
     result.levels = options_.levels;
     result.zeta = options_.zeta;
-    result.progress = options_.progress;
     return result;
   }
 
@@ -137,7 +137,7 @@ class Sampler {
   }
 
   Cochain<K> sample(const VelocitySource& source, SampledFrame* frame) const {
-    const CompositeDeRham map(complex(), asset_->mesh.positions(), source.voxelSize());
+    const CompositeDeRham map(complex(), asset_->mesh.positions(), source.voxelSize(), context_);
     const auto at = [&](const Vec3& p) { return source.at(p); };
     Cochain<K> form;
     if constexpr (K == 1) {
@@ -154,14 +154,15 @@ class Sampler {
   }
 
   Cochain<K> projected(Cochain<K> form) const {
-    return projection_ ? projection_->apply(form, fixesToZero(options_.boundary)) : form;
+    return projection_ ? projection_->apply(form, fixesToZero(options_.boundary), context_) : form;
   }
 
   VectorField limitField(const Cochain<K>& form) const {
     const BoundaryMode mode = options_.closed && options_.boundary == BoundaryRule::ZeroInside
                                   ? BoundaryMode::Walls
                                   : automaticMode(complex(), form);
-    return makeField(refiner_, limit_, refiner_.refine(form, mode), mode);
+    return makeField(refiner_, limit_, refiner_.refine(form, mode, context_), mode,
+                     Reconstruction::Limit, context_);
   }
 
   /// Adds what the limit field's own fluxes or circulations lack; nothing where a simplex reaches
@@ -173,7 +174,7 @@ class Sampler {
     for (const auto& [a, b] : refiner_.finest().edges) {
       edge = std::max(edge, (limit_.positions()[b] - limit_.positions()[a]).norm());
     }
-    const CompositeDeRham map(complex(), asset_->mesh.positions(), edge);
+    const CompositeDeRham map(complex(), asset_->mesh.positions(), edge, context_);
     const auto at = [&](const Vec3& p) {
       Vec3 v;
       return field.sample(p, &v) ? v : Vec3(Vec3::Constant(NAN));
@@ -197,15 +198,16 @@ class Sampler {
     const VectorField field = limitField(form);
     std::vector<Vec3> values(points.size());
     std::vector<std::uint8_t> inside(points.size());
-    field.sample(points.data(), points.size(), values.data(), inside.data());
+    field.sample(points.data(), points.size(), values.data(), inside.data(), context_);
     const std::size_t n = points.size();
-    const double count = sumOfSquares(n, [&](std::size_t k) { return inside[k] ? 1.0 : 0.0; });
+    const double count =
+        sumOfSquares(n, context_, [&](std::size_t k) { return inside[k] ? 1.0 : 0.0; });
     frame->inside = count / static_cast<double>(n);
     if (count == 0) {
       throw InputError(frame->path, "grid " + frame->grid, "no voxel lies in the cage");
     }
     const auto sum = [&](const auto& of) {
-      return sumOfSquares(n, [&](std::size_t k) { return inside[k] ? of(k) : 0.0; });
+      return sumOfSquares(n, context_, [&](std::size_t k) { return inside[k] ? of(k) : 0.0; });
     };
     const double speeds = sum([&](std::size_t k) { return source.at(points[k]).squaredNorm(); });
     const double misses =
@@ -231,6 +233,7 @@ class Sampler {
 
   ControlAsset* asset_;
   const SampleOptions& options_;
+  const Context& context_;
   Refiner refiner_;
   Limit limit_;
   std::optional<ClosedProjection<K>> projection_;
@@ -239,7 +242,7 @@ class Sampler {
 }  // namespace
 
 SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>& paths,
-                            const SampleOptions& options) {
+                            const SampleOptions& options, const Context& context) {
   if (paths.empty()) throw InputError("", "there are no velocity files");
   if (!std::isfinite(options.read.scale) || options.read.scale == 0) {
     throw InputError("scale", "is not a number other than 0");
@@ -248,8 +251,8 @@ SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>&
     throw InputError("frames per second", "is not a positive number");
   }
   if (options.corrections < 0) throw InputError("corrections", "are fewer than none");
-  if (options.degree == 1) return Sampler<1>(asset, options).run(paths);
-  if (options.degree == 2) return Sampler<2>(asset, options).run(paths);
+  if (options.degree == 1) return Sampler<1>(asset, options, context).run(paths);
+  if (options.degree == 2) return Sampler<2>(asset, options, context).run(paths);
   throw InputError("degree", std::to_string(options.degree) + " is neither 1 nor 2");
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <octet/core/base/progress.h>
+#include <octet/core/base/context.h>
 #include <octet/core/hodge/projection.h>
 #include <octet/core/rules/linear_rules.h>
 
@@ -29,7 +29,6 @@ struct SampleOptions {
   int levels = 2;  ///< at which the limit field is compared with the source
   std::size_t mostPoints = std::size_t{1} << 20;  ///< of a frame at which they are compared
   double zeta = kDefaultZeta;
-  ProgressCallback progress{};
 };
 
 /// What became of one file. Relative numbers refer to the root mean square speed of the source.
@@ -61,6 +60,6 @@ struct SampleReport {
 /// the cage lies outside the grid its background, usually 0, counts.
 /// @throws InputError, Cancelled; the asset is then untouched.
 SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>& paths,
-                            const SampleOptions& options);
+                            const SampleOptions& options, const Context& context = {});
 
 }  // namespace octet

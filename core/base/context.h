@@ -14,7 +14,7 @@ namespace octet {
 
 /// What long work reports while it runs: the stage's name and how much of it is done.
 struct ProgressReport {
-  std::string stage;      ///< "refine level 3", "bake velocity", ...
+  std::string stage;      ///< "refine level 3", "bake velocity", ...; empty before the first
   std::size_t done = 0;   ///< units finished, 0 <= done <= total
   std::size_t total = 0;  ///< units in this stage; 0 when that is not known
   const char* unit = "";  ///< what is counted: "cells", "leaves", ...

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "../base/error.h"
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "cell_shape.h"
 
 namespace octet {
@@ -27,8 +27,12 @@ constexpr double kRest = 1e-3;
 class Fitter {
  public:
   Fitter(const ControlMesh& mesh, Array<Vec3> start, const ProjectToSurface& project,
-         const BoundaryFitOptions& options)
-      : c_(*mesh.complex()), x_(std::move(start)), project_(project), options_(options) {
+         const BoundaryFitOptions& options, const Context& context)
+      : c_(*mesh.complex()),
+        x_(std::move(start)),
+        project_(project),
+        options_(options),
+        context_(context) {
     if (options.rounds < 0 || !(options.minVolume > 0 && options.minVolume < 1)) {
       throw InputError("fit", "rounds or least volume out of range");
     }
@@ -43,15 +47,15 @@ class Fitter {
     BoundaryFitReport r;
     vertexDistances(&r.meanBefore, &r.maxBefore, nullptr);
     for (int round = 0; round < options_.rounds; ++round) {
-      reportProgress(options_.progress, {"fit boundary", static_cast<std::size_t>(round),
-                                         static_cast<std::size_t>(options_.rounds), "rounds"});
+      context_.report({"fit boundary", static_cast<std::size_t>(round),
+                       static_cast<std::size_t>(options_.rounds), "rounds"});
       for (const std::vector<Index>& group : groups_) {
         parallelFor<std::size_t>(
             group.size(),
             [&](std::size_t k) {
               if (awake_[group[k]]) move(group[k]);
             },
-            64);
+            context_, 64);
       }
       if (!wake()) break;
     }
@@ -262,7 +266,7 @@ class Fitter {
         [&](Index v) {
           if (c_.vertexOnBoundary(v)) distances[v] = (project_(x_[v], kNone) - x_[v]).norm();
         },
-        64);
+        context_, 64);
     summarise(distances, mean, max);
     if (!off) return;
     for (Index v = 0; v < c_.vertexCount(); ++v) {
@@ -280,7 +284,7 @@ class Fitter {
           const Vec3 centre = (x_[a] + x_[b] + x_[c]) / 3;
           distances[f] = (project_(centre, kNone) - centre).norm();
         },
-        64);
+        context_, 64);
     summarise(distances, &report->meanFacet, &report->maxFacet);
   }
 
@@ -300,6 +304,7 @@ class Fitter {
   Array<Vec3> x_;
   const ProjectToSurface& project_;
   const BoundaryFitOptions& options_;
+  const Context& context_;
   double edge_ = 0, tetCorner_ = 0, octCorner_ = 0;
   std::vector<Index> movable_;
   std::vector<std::vector<Index>> groups_;
@@ -311,8 +316,9 @@ class Fitter {
 }  // namespace
 
 Array<Vec3> fitBoundary(const ControlMesh& mesh, Array<Vec3> start, const ProjectToSurface& project,
-                        const BoundaryFitOptions& options, BoundaryFitReport* report) {
-  return Fitter(mesh, std::move(start), project, options).run(report);
+                        const BoundaryFitOptions& options, BoundaryFitReport* report,
+                        const Context& context) {
+  return Fitter(mesh, std::move(start), project, options, context).run(report);
 }
 
 }  // namespace octet

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../topology/control_mesh.h"
 
 namespace octet {
@@ -18,7 +18,6 @@ struct BoundaryFitOptions {
   double minVolume = 0.05;
   int rounds = 24;         ///< sweeps over the boundary and the layers below it
   int interiorLayers = 2;  ///< layers of interior vertices that may move
-  ProgressCallback progress;
 };
 
 /// Distances of boundary vertices and of the boundary facets' centroids from the surface.
@@ -42,6 +41,7 @@ struct BoundaryFitReport {
 /// stated volume; that far parts of the boundary do not meet is for ControlMesh::build to tell.
 /// @throws Cancelled; InputError for a rounds or volume option out of range
 Array<Vec3> fitBoundary(const ControlMesh& mesh, Array<Vec3> start, const ProjectToSurface& project,
-                        const BoundaryFitOptions& options, BoundaryFitReport* report = nullptr);
+                        const BoundaryFitOptions& options, BoundaryFitReport* report = nullptr,
+                        const Context& context = {});
 
 }  // namespace octet

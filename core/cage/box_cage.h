@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../geometry/box_bins.h"
 #include "../topology/control_mesh.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "../base/error.h"
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "box_cage.h"
 #include "star_patterns.h"
 
@@ -58,8 +58,8 @@ constexpr Int3 kOctahedron[6] = {{0, 0, 1},  {1, 0, 0},  {0, 1, 0},
 
 class Filler {
  public:
-  Filler(const Box& bounds, const LatticeFillOptions& options)
-      : options_(options), centre_((bounds.min + bounds.max) / 2) {
+  Filler(const Box& bounds, const LatticeFillOptions& options, const Context& context)
+      : options_(options), context_(context), centre_((bounds.min + bounds.max) / 2) {
     if (!(options.spacing > 0) || !std::isfinite(options.spacing)) {
       throw InputError("spacing", "is not a positive number");
     }
@@ -102,8 +102,8 @@ class Filler {
     const int slices = box_.size[0];
     constexpr int kChunk = 16;
     for (int first = 0; first < slices; first += kChunk) {
-      reportProgress(options_.progress, {"fill", static_cast<std::size_t>(first),
-                                         static_cast<std::size_t>(slices), "slices"});
+      context_.report(
+          {"fill", static_cast<std::size_t>(first), static_cast<std::size_t>(slices), "slices"});
       const int count = std::min(kChunk, slices - first);
       parallelFor<int>(
           count,
@@ -112,7 +112,7 @@ class Filler {
               if (even(p)) distance_[box_.at(p)] = static_cast<float>(distance(position(p)));
             });
           },
-          1);
+          context_, 1);
     }
     deepest_ = 0;
     box_.visit(kMargin, [&](const Int3& p) {
@@ -239,7 +239,7 @@ class Filler {
             if (even(p) && nearInterior(p) && is(p)) slices[i + 1].push_back(p);
           });
         },
-        1);
+        context_, 1);
     std::vector<Int3> all;
     for (const auto& slice : slices) all.insert(all.end(), slice.begin(), slice.end());
     return all;
@@ -260,6 +260,7 @@ class Filler {
     for (int round = 0; round < kRounds; ++round) {
       bool better = false;
       for (const Int3& p : boundaryVertices(faulty)) {
+        context_.poll();
         if (faulty(p) && improve(p)) better = true;
       }
       if (!better) break;
@@ -268,6 +269,7 @@ class Filler {
     const auto touching = [&](const Int3& p) { return touchesItself(p); };
     for (auto list = boundaryVertices(touching); !list.empty(); list = boundaryVertices(touching)) {
       for (const Int3& p : list) {
+        context_.poll();
         if (touching(p)) dropShallowest(p);
       }
     }
@@ -337,6 +339,7 @@ class Filler {
   }
 
   const LatticeFillOptions& options_;
+  const Context& context_;
   Vec3 centre_;
   double unit_ = 0;  // lattice unit: edges are sqrt(2) long
   LatticeBox box_;
@@ -351,8 +354,9 @@ class Filler {
 }  // namespace
 
 ControlMeshInput fillLattice(const Box& bounds, const SignedDistance& distance,
-                             const LatticeFillOptions& options, LatticeFillReport* report) {
-  return Filler(bounds, options).run(distance, report);
+                             const LatticeFillOptions& options, LatticeFillReport* report,
+                             const Context& context) {
+  return Filler(bounds, options, context).run(distance, report);
 }
 
 }  // namespace octet

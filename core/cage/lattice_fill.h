@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../geometry/box_bins.h"
 #include "../topology/control_mesh.h"
 
@@ -18,7 +18,6 @@ struct LatticeFillOptions {
   /// Lattice vertices deeper inside than this, in spacings, become interior vertices. The default
   /// makes the unfitted cage about as big as the body.
   double depth = 0.5;
-  ProgressCallback progress;
 };
 
 /// How a fill went.
@@ -42,7 +41,7 @@ struct LatticeFillReport {
 /// @throws InputError when nothing of the body is deep enough ("too coarse"), for a spacing that is
 /// no positive number, and for more than kMostCageCells cells. Cancelled.
 ControlMeshInput fillLattice(const Box& bounds, const SignedDistance& distance,
-                             const LatticeFillOptions& options,
-                             LatticeFillReport* report = nullptr);
+                             const LatticeFillOptions& options, LatticeFillReport* report = nullptr,
+                             const Context& context = {});
 
 }  // namespace octet

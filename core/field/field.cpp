@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "field.h"
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "../topology/domain_box.h"
 #include "vertex_field.h"
 #include "whitney.h"
@@ -58,15 +58,15 @@ bool Field<C>::sample(const Vec3& point, Value* value) const {
 }
 
 template <int C>
-void Field<C>::sample(const Vec3* points, std::size_t count, Value* values,
-                      std::uint8_t* inside) const {
+void Field<C>::sample(const Vec3* points, std::size_t count, Value* values, std::uint8_t* inside,
+                      const Context& context) const {
   parallelFor<std::size_t>(
       count,
       [&](std::size_t k) {
         values[k].setZero();
         inside[k] = sample(points[k], &values[k]);
       },
-      256);
+      context, 256);
 }
 
 template class Field<1>;
@@ -74,7 +74,8 @@ template class Field<3>;
 
 template <int K>
 Field<kComponents<K>> makeField(const Refiner& refiner, const Limit& limit, Cochain<K> form,
-                                BoundaryMode mode, Reconstruction reconstruction) {
+                                BoundaryMode mode, Reconstruction reconstruction,
+                                const Context& context) {
   constexpr int C = kComponents<K>;
   const auto complex = refiner.sharedComplex(refiner.levels());
   if (reconstruction == Reconstruction::Whitney) {
@@ -82,37 +83,46 @@ Field<kComponents<K>> makeField(const Refiner& refiner, const Limit& limit, Coch
                                                  std::move(form), refiner.zeta()));
   }
   Array<typename Piece<C>::Value> values;
-  if constexpr (K == 0) values = asComponents(limit.values(form));
-  if constexpr (K == 1 || K == 2) values = limit.vectors(form, mode);
-  if constexpr (K == 3) values = asComponents(limit.densities(form));
+  if constexpr (K == 0) values = asComponents(limit.values(form, context));
+  if constexpr (K == 1 || K == 2) values = limit.vectors(form, mode, context);
+  if constexpr (K == 3) values = asComponents(limit.densities(form, context));
   return Field<C>(std::make_shared<VertexField<C>>(complex, limit.positions(), std::move(values)));
 }
 
 template <int K>
 Field<kComponents<K>> makeField(const Subdivision& subdivision, const Cochain<K>& control,
-                                BoundaryMode mode, Reconstruction reconstruction) {
+                                BoundaryMode mode, Reconstruction reconstruction,
+                                const Context& context) {
   constexpr int C = kComponents<K>;
   const auto complex = subdivision.finest();
   if (reconstruction == Reconstruction::Whitney || !subdivision.hasLimits()) {
     return Field<C>(
         std::make_shared<Whitney<K>>(complex, subdivision.positions(subdivision.levels()),
-                                     subdivision.refine(control, mode), subdivision.zeta()));
+                                     subdivision.refine(control, mode, context), subdivision.zeta()));
   }
   Array<typename Piece<C>::Value> values;
-  if constexpr (K == 0) values = asComponents(subdivision.limitValues(control, mode));
-  if constexpr (K == 1 || K == 2) values = subdivision.limitVectors(control, mode);
-  if constexpr (K == 3) values = asComponents(subdivision.limitDensities(control, mode));
+  if constexpr (K == 0) values = asComponents(subdivision.limitValues(control, mode, context));
+  if constexpr (K == 1 || K == 2) values = subdivision.limitVectors(control, mode, context);
+  if constexpr (K == 3) values = asComponents(subdivision.limitDensities(control, mode, context));
   return Field<C>(
-      std::make_shared<VertexField<C>>(complex, subdivision.limitPositions(), std::move(values)));
+      std::make_shared<VertexField<C>>(complex, subdivision.limitPositions(context), std::move(values)));
 }
 
-template Field<1> makeField(const Refiner&, const Limit&, Cochain<0>, BoundaryMode, Reconstruction);
-template Field<3> makeField(const Refiner&, const Limit&, Cochain<1>, BoundaryMode, Reconstruction);
-template Field<3> makeField(const Refiner&, const Limit&, Cochain<2>, BoundaryMode, Reconstruction);
-template Field<1> makeField(const Refiner&, const Limit&, Cochain<3>, BoundaryMode, Reconstruction);
-template Field<1> makeField(const Subdivision&, const Cochain<0>&, BoundaryMode, Reconstruction);
-template Field<3> makeField(const Subdivision&, const Cochain<1>&, BoundaryMode, Reconstruction);
-template Field<3> makeField(const Subdivision&, const Cochain<2>&, BoundaryMode, Reconstruction);
-template Field<1> makeField(const Subdivision&, const Cochain<3>&, BoundaryMode, Reconstruction);
+template Field<1> makeField(const Refiner&, const Limit&, Cochain<0>, BoundaryMode, Reconstruction,
+                            const Context&);
+template Field<3> makeField(const Refiner&, const Limit&, Cochain<1>, BoundaryMode, Reconstruction,
+                            const Context&);
+template Field<3> makeField(const Refiner&, const Limit&, Cochain<2>, BoundaryMode, Reconstruction,
+                            const Context&);
+template Field<1> makeField(const Refiner&, const Limit&, Cochain<3>, BoundaryMode, Reconstruction,
+                            const Context&);
+template Field<1> makeField(const Subdivision&, const Cochain<0>&, BoundaryMode, Reconstruction,
+                            const Context&);
+template Field<3> makeField(const Subdivision&, const Cochain<1>&, BoundaryMode, Reconstruction,
+                            const Context&);
+template Field<3> makeField(const Subdivision&, const Cochain<2>&, BoundaryMode, Reconstruction,
+                            const Context&);
+template Field<1> makeField(const Subdivision&, const Cochain<3>&, BoundaryMode, Reconstruction,
+                            const Context&);
 
 }  // namespace octet

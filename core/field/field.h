@@ -33,7 +33,9 @@ class Field {
 
   /// Values at many points, in parallel; `inside[i]` is 1 where points[i] lies in the domain, and
   /// values[i] is 0 elsewhere.
-  void sample(const Vec3* points, std::size_t count, Value* values, std::uint8_t* inside) const;
+  /// @throws Cancelled
+  void sample(const Vec3* points, std::size_t count, Value* values, std::uint8_t* inside,
+              const Context& context = {}) const;
 
  private:
   struct State {
@@ -55,13 +57,15 @@ using VectorField = Field<3>;
 template <int K>
 Field<kComponents<K>> makeField(const Refiner& refiner, const Limit& limit, Cochain<K> form,
                                 BoundaryMode mode,
-                                Reconstruction reconstruction = Reconstruction::Limit);
+                                Reconstruction reconstruction = Reconstruction::Limit,
+                                const Context& context = {});
 
 /// The field of a form's coefficients on the control mesh. A rule without limits is rebuilt by
 /// Whitney forms, whatever is asked for.
 template <int K>
 Field<kComponents<K>> makeField(const Subdivision& subdivision, const Cochain<K>& control,
                                 BoundaryMode mode,
-                                Reconstruction reconstruction = Reconstruction::Limit);
+                                Reconstruction reconstruction = Reconstruction::Limit,
+                                const Context& context = {});
 
 }  // namespace octet

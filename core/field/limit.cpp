@@ -83,9 +83,8 @@ void sortUnique(std::vector<Index>* list) {
 
 }  // namespace
 
-Limit::Limit(const Refiner& refiner, ProgressCallback progress)
+Limit::Limit(const Refiner& refiner, const Context& context)
     : refiner_(refiner),
-      progress_(std::move(progress)),
       c_(refiner.finest()),
       sites_(refiner.sites(refiner.levels())),
       coefficientPositions_(refiner.positions(refiner.levels())),
@@ -96,7 +95,7 @@ Limit::Limit(const Refiner& refiner, ProgressCallback progress)
       positions_[v][axis] = valueAt(v, [&](Index u) { return coefficientPositions_[u][axis]; });
     }
   };
-  reportedFor<Index>(c_.vertexCount(), limitOf, progress_, "limit of positions", "vertices");
+  reportedFor<Index>(c_.vertexCount(), limitOf, context, "limit of positions", "vertices");
   prepareWalls();
 }
 
@@ -152,23 +151,26 @@ double Limit::valueAt(Index v, const At& at) const {
   return n > 0 ? own + kMeanToLimit * mean / n : own;
 }
 
-Array<double> Limit::values(const Cochain<0>& form) const {
+Array<double> Limit::values(const Cochain<0>& form, const Context& context) const {
   Array<double> result(c_.vertexCount());
   const auto limitOf = [&](Index v) { result[v] = valueAt(v, [&](Index u) { return form[u]; }); };
-  reportedFor<Index>(c_.vertexCount(), limitOf, progress_, "limit of values", "vertices");
+  reportedFor<Index>(c_.vertexCount(), limitOf, context, "limit of values", "vertices");
   return result;
 }
 
-Array<Vec3> Limit::vectors(const Cochain<1>& form, BoundaryMode mode) const {
-  return vectorsOf<1>(form, mode);
+Array<Vec3> Limit::vectors(const Cochain<1>& form, BoundaryMode mode,
+                           const Context& context) const {
+  return vectorsOf<1>(form, mode, context);
 }
 
-Array<Vec3> Limit::vectors(const Cochain<2>& form, BoundaryMode mode) const {
-  return vectorsOf<2>(form, mode);
+Array<Vec3> Limit::vectors(const Cochain<2>& form, BoundaryMode mode,
+                           const Context& context) const {
+  return vectorsOf<2>(form, mode, context);
 }
 
 template <int K>
-Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode) const {
+Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode,
+                             const Context& context) const {
   const Boundary& boundary = refiner_.boundary(refiner_.levels());
   Array<Vec3> result(c_.vertexCount());
   reportedFor<Index>(
@@ -188,7 +190,7 @@ Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode) const {
         const Vec3 along = walls_[row] * result[v];
         result[v] = K == 2 ? along : Vec3(result[v] - along);
       },
-      progress_, "limit of vectors", "vertices", 256);
+      context, "limit of vectors", "vertices", 256);
   return result;
 }
 
@@ -407,29 +409,37 @@ Eigen::Matrix3d Limit::tangentialProjection(Index row) const {
   return projection;
 }
 
-Array<double> Limit::densities(const Cochain<3>& form) const {
+Array<double> Limit::densities(const Cochain<3>& form, const Context& context) const {
   Array<double> volumes(c_.cellCount());
-  parallelFor<Index>(c_.cellCount(), [&](Index cell) {
-    volumes[cell] = c_.cellSigns[cell] * cellVolume6(c_, coefficientPositions_, cell) / 6;
-  });
+  parallelFor<Index>(
+      c_.cellCount(),
+      [&](Index cell) {
+        volumes[cell] = c_.cellSigns[cell] * cellVolume6(c_, coefficientPositions_, cell) / 6;
+      },
+      context);
   Array<double> result(c_.vertexCount());
-  parallelFor<Index>(c_.vertexCount(), [&](Index v) {
-    double mass = 0, volume = 0;
-    const Index site = refiner_.smooth() && masks_.exists[3] ? sites_.siteOfRegular(c_, v) : kNone;
-    if (site != kNone) {
-      for (const MaskTerm& term : masks_.terms[3]) {
-        const LatticeRef ref = sites_.cells[sites_.hop(site, term.vertices[0])][term.simplexClass];
-        mass += term.weight[0] * form[ref.index()];
-        volume += term.weight[0] * volumes[ref.index()];
-      }
-    } else {
-      c_.visitVertexStar(v, [&](const CellAtVertex& at) {
-        mass += form[at.cell];
-        volume += volumes[at.cell];
-      });
-    }
-    result[v] = volume != 0 ? mass / volume : 0.0;
-  });
+  reportedFor<Index>(
+      c_.vertexCount(),
+      [&](Index v) {
+        double mass = 0, volume = 0;
+        const Index site =
+            refiner_.smooth() && masks_.exists[3] ? sites_.siteOfRegular(c_, v) : kNone;
+        if (site != kNone) {
+          for (const MaskTerm& term : masks_.terms[3]) {
+            const LatticeRef ref =
+                sites_.cells[sites_.hop(site, term.vertices[0])][term.simplexClass];
+            mass += term.weight[0] * form[ref.index()];
+            volume += term.weight[0] * volumes[ref.index()];
+          }
+        } else {
+          c_.visitVertexStar(v, [&](const CellAtVertex& at) {
+            mass += form[at.cell];
+            volume += volumes[at.cell];
+          });
+        }
+        result[v] = volume != 0 ? mass / volume : 0.0;
+      },
+      context, "limit of densities", "vertices");
   return result;
 }
 

@@ -22,20 +22,19 @@ namespace octet {
 /// refiner must outlive it.
 class Limit {
  public:
-  /// @param progress  also called by the const members, from the thread that calls those
-  explicit Limit(const Refiner& refiner, ProgressCallback progress = {});
+  explicit Limit(const Refiner& refiner, const Context& context = {});
 
   /// Limit positions of the vertices, world units.
   const Array<Vec3>& positions() const { return positions_; }
 
   /// Limit values of a 0-form on the finest level.
-  Array<double> values(const Cochain<0>& form) const;
+  Array<double> values(const Cochain<0>& form, const Context& context = {}) const;
   /// Limit vectors of a 1-form (per world unit of length).
-  Array<Vec3> vectors(const Cochain<1>& form, BoundaryMode mode) const;
+  Array<Vec3> vectors(const Cochain<1>& form, BoundaryMode mode, const Context& context = {}) const;
   /// Limit flux density of a 2-form (per world unit of area).
-  Array<Vec3> vectors(const Cochain<2>& form, BoundaryMode mode) const;
+  Array<Vec3> vectors(const Cochain<2>& form, BoundaryMode mode, const Context& context = {}) const;
   /// Limit density of a 3-form (per world unit of volume).
-  Array<double> densities(const Cochain<3>& form) const;
+  Array<double> densities(const Cochain<3>& form, const Context& context = {}) const;
 
   /// How the limit vector at one vertex depends on the finest coefficients of a K-form, K = 1 or 2:
   /// its x, y and z as functionals. @param onClosedWall  what closedWalls() says of the vertex
@@ -49,7 +48,7 @@ class Limit {
   template <typename At>
   double valueAt(Index vertex, const At& at) const;
   template <int K>
-  Array<Vec3> vectorsOf(const Cochain<K>& form, BoundaryMode mode) const;
+  Array<Vec3> vectorsOf(const Cochain<K>& form, BoundaryMode mode, const Context& context) const;
   template <int K>
   Vec3 regularVector(Index site, const double* form) const;
   template <int K>
@@ -64,7 +63,6 @@ class Limit {
   void prepareWalls();
 
   const Refiner& refiner_;
-  ProgressCallback progress_;
   const Complex& c_;
   const LatticeSites& sites_;
   const Array<Vec3>& coefficientPositions_;  // of the finest level, to which coefficients refer

@@ -3,11 +3,12 @@
 
 namespace octet {
 
-SchemeSubdivision::SchemeSubdivision(const ControlMesh& mesh, const RefinerOptions& options)
-    : refiner_(mesh, options), progress_(options.progress) {}
+SchemeSubdivision::SchemeSubdivision(const ControlMesh& mesh, const RefinerOptions& options,
+                                     const Context& context)
+    : refiner_(mesh, options, context) {}
 
-const Limit& SchemeSubdivision::limit() const {
-  std::call_once(once_, [&] { limit_.emplace(refiner_, progress_); });
+const Limit& SchemeSubdivision::limit(const Context& context) const {
+  std::call_once(once_, [&] { limit_.emplace(refiner_, context); });
   return *limit_;
 }
 
@@ -15,36 +16,36 @@ std::shared_ptr<const Complex> SchemeSubdivision::complex(int level) const {
   return refiner_.sharedComplex(level);
 }
 
-Cochain<0> SchemeSubdivision::refine(const Cochain<0>& control, BoundaryMode mode) const {
-  return refiner_.refine(control, mode);
+Cochain<0> SchemeSubdivision::refine(const Cochain<0>& control, BoundaryMode mode, const Context& context) const {
+  return refiner_.refine(control, mode, context);
 }
-Cochain<1> SchemeSubdivision::refine(const Cochain<1>& control, BoundaryMode mode) const {
-  return refiner_.refine(control, mode);
+Cochain<1> SchemeSubdivision::refine(const Cochain<1>& control, BoundaryMode mode, const Context& context) const {
+  return refiner_.refine(control, mode, context);
 }
-Cochain<2> SchemeSubdivision::refine(const Cochain<2>& control, BoundaryMode mode) const {
-  return refiner_.refine(control, mode);
+Cochain<2> SchemeSubdivision::refine(const Cochain<2>& control, BoundaryMode mode, const Context& context) const {
+  return refiner_.refine(control, mode, context);
 }
-Cochain<3> SchemeSubdivision::refine(const Cochain<3>& control, BoundaryMode mode) const {
-  return refiner_.refine(control, mode);
+Cochain<3> SchemeSubdivision::refine(const Cochain<3>& control, BoundaryMode mode, const Context& context) const {
+  return refiner_.refine(control, mode, context);
 }
 
-Array<double> SchemeSubdivision::limitValues(const Cochain<0>& control, BoundaryMode mode) const {
-  return limit().values(refine(control, mode));
+Array<double> SchemeSubdivision::limitValues(const Cochain<0>& control, BoundaryMode mode, const Context& context) const {
+  return limit(context).values(refine(control, mode, context), context);
 }
-Array<Vec3> SchemeSubdivision::limitVectors(const Cochain<1>& control, BoundaryMode mode) const {
-  return limit().vectors(refine(control, mode), mode);
+Array<Vec3> SchemeSubdivision::limitVectors(const Cochain<1>& control, BoundaryMode mode, const Context& context) const {
+  return limit(context).vectors(refine(control, mode, context), mode, context);
 }
-Array<Vec3> SchemeSubdivision::limitVectors(const Cochain<2>& control, BoundaryMode mode) const {
-  return limit().vectors(refine(control, mode), mode);
+Array<Vec3> SchemeSubdivision::limitVectors(const Cochain<2>& control, BoundaryMode mode, const Context& context) const {
+  return limit(context).vectors(refine(control, mode, context), mode, context);
 }
 Array<double> SchemeSubdivision::limitDensities(const Cochain<3>& control,
-                                                BoundaryMode mode) const {
-  return limit().densities(refine(control, mode));
+                                                BoundaryMode mode, const Context& context) const {
+  return limit(context).densities(refine(control, mode, context), context);
 }
 
 std::unique_ptr<Subdivision> subdivideByScheme(const ControlMesh& mesh,
-                                               const RefinerOptions& options) {
-  return std::make_unique<SchemeSubdivision>(mesh, options);
+                                               const RefinerOptions& options, const Context& context) {
+  return std::make_unique<SchemeSubdivision>(mesh, options, context);
 }
 
 }  // namespace octet

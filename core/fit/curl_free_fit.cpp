@@ -14,10 +14,10 @@ constexpr double kWallWeight = 10;
 /// A fitted 1-form df. Unknowns: the potential f at control vertices.
 class CurlFreeFit final : public FittedField {
  public:
-  explicit CurlFreeFit(const FitDomain& domain)
+  CurlFreeFit(const FitDomain& domain, const Context& context)
       : domain_(domain),
         influence_(domain.refiner, domain.limit, mode_,
-                   std::vector<std::uint8_t>(domain.complex().edges.size(), 0)) {
+                   std::vector<std::uint8_t>(domain.complex().edges.size(), 0), context) {
     const Complex& c = domain.complex();
     space_.setCoefficients(coboundaryMatrix<0>(c), Eigen::VectorXd::Zero(c.edgeCount()));
     if (domain.length > 0) {
@@ -25,12 +25,11 @@ class CurlFreeFit final : public FittedField {
                                            /*curl=*/false, /*divergence=*/true));
       space_.hasSilentUnknowns = true;
     }
-    if (domain.options.closedWalls) prepareWalls();
+    if (domain.options.closedWalls) prepareWalls(context);
   }
 
-  InfluenceRows at(const std::vector<Vec3>& points,
-                   const ProgressCallback& progress) const override {
-    return influence_.at(points, progress);
+  InfluenceRows at(const std::vector<Vec3>& points, const Context& context) const override {
+    return influence_.at(points, context);
   }
 
   void addEquations(LeastSquares* problem) const override {
@@ -65,7 +64,7 @@ class CurlFreeFit final : public FittedField {
 
  private:
   /// Takes a point on every wall facet, at which the field should not pass.
-  void prepareWalls() {
+  void prepareWalls(const Context& context) {
     const Complex& c = domain_.refiner.finest();
     const Array<Vec3>& x = domain_.limit.positions();
     std::vector<Vec3> points;
@@ -76,7 +75,7 @@ class CurlFreeFit final : public FittedField {
       points.push_back((x[v[0]] + x[v[1]] + x[v[2]]) / 3);
       wallAreas_.push_back(area);
     }
-    vectorRows_ = influence_.at(points, domain_.options.progress).rows;
+    vectorRows_ = influence_.at(points, context).rows;
     std::vector<SparseRow> normals;
     RowSum sum(domain_.complex().edgeCount());
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -89,7 +88,7 @@ class CurlFreeFit final : public FittedField {
       }
       normals.push_back(sum.take());
     }
-    normalRows_ = throughBasis(normals, space_);
+    normalRows_ = throughBasis(normals, space_, context);
   }
 
   const FitDomain& domain_;
@@ -101,8 +100,9 @@ class CurlFreeFit final : public FittedField {
 
 }  // namespace
 
-std::unique_ptr<const FittedField> makeCurlFreeFit(const FitDomain& domain) {
-  return std::make_unique<CurlFreeFit>(domain);
+std::unique_ptr<const FittedField> makeCurlFreeFit(const FitDomain& domain,
+                                                   const Context& context) {
+  return std::make_unique<CurlFreeFit>(domain, context);
 }
 
 }  // namespace octet

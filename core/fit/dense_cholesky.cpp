@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 
 namespace octet {
 namespace {
@@ -13,9 +13,11 @@ constexpr Eigen::Index kBlock = 128;
 
 }  // namespace
 
-DenseCholesky::DenseCholesky(Eigen::MatrixXd matrix) : factor_(std::move(matrix)) {
+DenseCholesky::DenseCholesky(Eigen::MatrixXd matrix, const Context& context)
+    : factor_(std::move(matrix)) {
   const Eigen::Index n = factor_.rows();
   for (Eigen::Index k = 0; k < n; k += kBlock) {
+    context.poll();
     const Eigen::Index size = std::min(kBlock, n - k), next = k + size;
     auto diagonal = factor_.block(k, k, size, size);
     Eigen::Ref<Eigen::MatrixXd> block = diagonal;
@@ -33,7 +35,7 @@ DenseCholesky::DenseCholesky(Eigen::MatrixXd matrix) : factor_(std::move(matrix)
           diagonal.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(
               below);
         },
-        1);
+        context, 1);
     parallelFor<Eigen::Index>(
         blocks,
         [&](Eigen::Index b) {
@@ -41,7 +43,7 @@ DenseCholesky::DenseCholesky(Eigen::MatrixXd matrix) : factor_(std::move(matrix)
           factor_.block(at, at, n - at, rows(b)).noalias() -=
               factor_.block(at, k, n - at, size) * factor_.block(at, k, rows(b), size).transpose();
         },
-        1);
+        context, 1);
   }
 }
 

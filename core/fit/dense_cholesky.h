@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "../base/context.h"
+
 namespace octet {
 
 /// @brief Cholesky factorisation of a dense symmetric positive definite matrix on all threads,
@@ -10,7 +12,8 @@ namespace octet {
 class DenseCholesky {
  public:
   /// Takes the matrix' lower triangle.
-  explicit DenseCholesky(Eigen::MatrixXd matrix);
+  /// @throws Cancelled
+  explicit DenseCholesky(Eigen::MatrixXd matrix, const Context& context = {});
 
   /// False when the matrix was not positive definite.
   bool succeeded() const { return succeeded_; }

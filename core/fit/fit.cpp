@@ -33,8 +33,9 @@ double meanOfDiagonal(const Matrix& m) {
 /// One fit: equations from guides, solution, report.
 class FitRun {
  public:
-  FitRun(const FitDomain& domain, const FittedField& field, const Guides& guides)
-      : domain_(domain), field_(field), space_(field.space()), guides_(guides) {}
+  FitRun(const FitDomain& domain, const FittedField& field, const Guides& guides,
+         const Context& context)
+      : domain_(domain), field_(field), space_(field.space()), guides_(guides), context_(context) {}
 
   FitResult run() {
     sample();
@@ -42,7 +43,7 @@ class FitRun {
     LeastSquares problem = equations();
     const Matrix energy = regularised(problem);
     problem.energy = &energy;
-    const LeastSquaresSolution solution = solve(problem, domain_.options.progress);
+    const LeastSquaresSolution solution = solve(problem, context_);
     if (!solution.determined) refuseUndetermined();
     const Eigen::VectorXd coefficients = space_.basis * solution.x + space_.particular;
     FitResult result;
@@ -70,7 +71,7 @@ class FitRun {
   void findInfluence() {
     std::vector<Vec3> points;
     for (const GuideSample& sample : samples_) points.push_back(sample.point);
-    InfluenceRows influence = field_.at(points, domain_.options.progress);
+    InfluenceRows influence = field_.at(points, context_.sub(0.3));
     for (std::size_t k = 0; k < samples_.size(); ++k) {
       if (!influence.inside[k]) refuseOutside(samples_[k]);
     }
@@ -101,7 +102,7 @@ class FitRun {
     double totalWeight = 0;
     for (const GuideSample& sample : samples_) totalWeight += sample.weight;
     LeastSquares problem;
-    problem.rows = throughBasis(rows_, space_);
+    problem.rows = throughBasis(rows_, space_, context_);
     for (std::size_t r = 0; r < rows_.size(); ++r) {
       const GuideSample& sample = samples_[r / 3];
       problem.weights.push_back(sample.weight / totalWeight);
@@ -170,19 +171,22 @@ class FitRun {
   const FittedField& field_;
   const FitSpace& space_;
   const Guides& guides_;
+  const Context& context_;
   std::vector<GuideSample> samples_;
   std::vector<SparseRow> rows_;  // of the samples, over control coefficients
 };
 
 }  // namespace
 
-Fit::Fit(const ControlMesh& mesh, const FitOptions& options)
-    : domain_(std::make_unique<FitDomain>(mesh, options)),
-      field_(options.kind == FitKind::CurlFree ? makeCurlFreeFit(*domain_)
-                                               : makeFluxFit(*domain_)) {}
+Fit::Fit(const ControlMesh& mesh, const FitOptions& options, const Context& context)
+    : domain_(std::make_unique<FitDomain>(mesh, options, context)),
+      field_(options.kind == FitKind::CurlFree ? makeCurlFreeFit(*domain_, context)
+                                               : makeFluxFit(*domain_, context)) {}
 Fit::~Fit() = default;
 Fit::Fit(Fit&&) noexcept = default;
 
-FitResult Fit::solve(const Guides& guides) const { return FitRun(*domain_, *field_, guides).run(); }
+FitResult Fit::solve(const Guides& guides, const Context& context) const {
+  return FitRun(*domain_, *field_, guides, context).run();
+}
 
 }  // namespace octet

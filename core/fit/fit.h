@@ -36,7 +36,6 @@ struct FitOptions {
   int levels = 2;      ///< at which the limit field is compared with guides; at least as baked
   double spacing = 0;  ///< of samples along curves, world units; 0: a quarter of the mean edge
   double zeta = kDefaultZeta;
-  ProgressCallback progress{};
 };
 
 /// Coefficients on the control mesh.
@@ -60,14 +59,14 @@ struct FitResult {
 class Fit {
  public:
   /// @throws InputError for options that cannot be: a facet that is not on the boundary, given
-  /// fluxes that do not add up, a negative smoothness.
-  Fit(const ControlMesh& mesh, const FitOptions& options = {});
+  /// fluxes that do not add up, a negative smoothness. Cancelled
+  Fit(const ControlMesh& mesh, const FitOptions& options = {}, const Context& context = {});
   ~Fit();
   Fit(Fit&&) noexcept;
 
   /// @throws InputError (file and place) for guides outside the domain or malformed, and when they
-  /// do not determine the field; Cancelled.
-  FitResult solve(const Guides& guides) const;
+  /// do not determine the field; MemoryError; Cancelled.
+  FitResult solve(const Guides& guides, const Context& context = {}) const;
 
  private:
   std::unique_ptr<const FitDomain> domain_;

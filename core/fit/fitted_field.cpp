@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "../topology/mean_edge.h"
 #include "smoothness.h"
 
@@ -14,7 +14,6 @@ RefinerOptions refinerOptions(const FitOptions& options) {
   RefinerOptions result;
   result.levels = options.levels;
   result.zeta = options.zeta;
-  result.progress = options.progress;
   return result;
 }
 
@@ -36,11 +35,11 @@ const FitOptions& checked(const FitOptions& options) {
 
 }  // namespace
 
-FitDomain::FitDomain(const ControlMesh& cage, const FitOptions& given)
+FitDomain::FitDomain(const ControlMesh& cage, const FitOptions& given, const Context& context)
     : options(checked(given)),
       mesh(cage),
-      refiner(cage, refinerOptions(given)),
-      limit(refiner),
+      refiner(cage, refinerOptions(given), context.sub(0.5)),
+      limit(refiner, context.sub(0.1)),
       edge(meanEdge(complex(), mesh.positions())),
       length(options.smoothness * std::cbrt(volumeOf(complex(), mesh.positions()))) {}
 
@@ -59,7 +58,8 @@ void FitSpace::setEnergy(const Eigen::SparseMatrix<double>& onCoefficients) {
   energyPull = -(Matrix(half.transpose()) * particular);
 }
 
-std::vector<SparseRow> throughBasis(const std::vector<SparseRow>& rows, const FitSpace& space) {
+std::vector<SparseRow> throughBasis(const std::vector<SparseRow>& rows, const FitSpace& space,
+                                    const Context& context) {
   std::vector<SparseRow> result(rows.size());
   parallelRanges<std::size_t>(
       rows.size(),
@@ -74,7 +74,7 @@ std::vector<SparseRow> throughBasis(const std::vector<SparseRow>& rows, const Fi
           result[r] = sum.take();
         }
       },
-      256);
+      context, 256);
   return result;
 }
 

@@ -12,7 +12,7 @@ namespace octet {
 /// What every kind of field is fitted on: the cage, its refinement and the limit field's vertices.
 struct FitDomain {
   /// @throws InputError for options that cannot be.
-  FitDomain(const ControlMesh& mesh, const FitOptions& options);
+  FitDomain(const ControlMesh& mesh, const FitOptions& options, const Context& context);
 
   const Complex& complex() const { return *mesh.complex(); }
 
@@ -45,7 +45,8 @@ struct FitSpace {
 };
 
 /// row * basis for rows over coefficients: rows over unknowns.
-std::vector<SparseRow> throughBasis(const std::vector<SparseRow>& rows, const FitSpace& space);
+std::vector<SparseRow> throughBasis(const std::vector<SparseRow>& rows, const FitSpace& space,
+                                    const Context& context);
 
 /// One kind of field, as a fit sees it. Const members are thread safe.
 class FittedField {
@@ -57,8 +58,7 @@ class FittedField {
   BoundaryMode mode() const { return mode_; }
 
   /// The limit vectors at points, over control coefficients.
-  virtual InfluenceRows at(const std::vector<Vec3>& points,
-                           const ProgressCallback& progress) const = 0;
+  virtual InfluenceRows at(const std::vector<Vec3>& points, const Context& context) const = 0;
   /// Adds the equations that the kind of field brings beside those of guides.
   virtual void addEquations(LeastSquares* problem) const = 0;
   /// Stores the field of the unknowns x with these coefficients, and reports its walls.
@@ -74,9 +74,9 @@ class FittedField {
 
 /// A 2-form with given flux through walls: divergence-free (the derivative of a vector potential)
 /// or free. The domain must outlive it, as for all of them.
-std::unique_ptr<const FittedField> makeFluxFit(const FitDomain& domain);
+std::unique_ptr<const FittedField> makeFluxFit(const FitDomain& domain, const Context& context);
 /// A 1-form that is the derivative of a potential; closed walls are least-squares equations.
-std::unique_ptr<const FittedField> makeCurlFreeFit(const FitDomain& domain);
+std::unique_ptr<const FittedField> makeCurlFreeFit(const FitDomain& domain, const Context& context);
 
 /// The numbers of a vector, as the values of a cochain.
 inline Array<double> toArray(const Eigen::VectorXd& v) {

@@ -15,13 +15,14 @@ using Matrix = Eigen::SparseMatrix<double>;
 /// A fitted 2-form. Fluxes that are given, as those through walls, are no unknowns.
 class FluxFit final : public FittedField {
  public:
-  explicit FluxFit(const FitDomain& domain)
-      : domain_(domain), flux_(givenFlux()), influence_(makeInfluence()) {
+  FluxFit(const FitDomain& domain, const Context& context)
+      : domain_(domain), flux_(givenFlux()), influence_(makeInfluence(context)) {
     if (divergenceFree()) {
       takePotentials();
     } else {
       takeFluxes();
     }
+    context.poll();
     if (domain.length > 0) {
       space_.setEnergy(smoothnessEnergy<2>(domain.complex(), domain.mesh.positions(), domain.length,
                                            /*curl=*/true, /*divergence=*/!divergenceFree()));
@@ -29,9 +30,8 @@ class FluxFit final : public FittedField {
     }
   }
 
-  InfluenceRows at(const std::vector<Vec3>& points,
-                   const ProgressCallback& progress) const override {
-    return influence_.at(points, progress);
+  InfluenceRows at(const std::vector<Vec3>& points, const Context& context) const override {
+    return influence_.at(points, context);
   }
 
   void addEquations(LeastSquares*) const override {}
@@ -92,12 +92,12 @@ class FluxFit final : public FittedField {
   }
 
   /// Also finds the boundary mode: walls, as soon as some facet is one.
-  Influence<2> makeInfluence() {
+  Influence<2> makeInfluence(const Context& context) {
     std::vector<std::uint8_t> zero;
     for (const auto& given : flux_) zero.push_back(given && *given == 0);
     const bool walls = std::find(zero.begin(), zero.end(), 1) != zero.end();
     mode_ = walls ? BoundaryMode::Walls : BoundaryMode::Open;
-    return Influence<2>(domain_.refiner, domain_.limit, mode_, zero);
+    return Influence<2>(domain_.refiner, domain_.limit, mode_, zero, context);
   }
 
   /// Unknowns of a free field: the fluxes that are not given.
@@ -137,8 +137,8 @@ class FluxFit final : public FittedField {
 
 }  // namespace
 
-std::unique_ptr<const FittedField> makeFluxFit(const FitDomain& domain) {
-  return std::make_unique<FluxFit>(domain);
+std::unique_ptr<const FittedField> makeFluxFit(const FitDomain& domain, const Context& context) {
+  return std::make_unique<FluxFit>(domain, context);
 }
 
 }  // namespace octet

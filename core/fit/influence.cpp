@@ -3,7 +3,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 
 namespace octet {
 namespace {
@@ -25,18 +25,18 @@ Cochain<K> genericForm(const Complex& complex, const std::vector<std::uint8_t>& 
 
 template <int K>
 Influence<K>::Influence(const Refiner& refiner, const Limit& limit, BoundaryMode mode,
-                        const std::vector<std::uint8_t>& zero)
+                        const std::vector<std::uint8_t>& zero, const Context& context)
     : limit_(limit),
       controlCount_(refiner.complex(0).count(K)),
       locator_(refiner.sharedComplex(refiner.levels()), limit.positions()),
       adjoint_(refiner, mode),
-      closed_(limit.closedWalls<K>(refiner.refine(genericForm<K>(refiner.complex(0), zero), mode),
-                                   mode)) {}
+      closed_(limit.closedWalls<K>(
+          refiner.refine(genericForm<K>(refiner.complex(0), zero), mode, context), mode)) {}
 
 /// The limit vectors at vertices of the finest level, over control coefficients.
 template <int K>
 std::vector<SparseRow> Influence<K>::vertexRows(const std::vector<Index>& vertices,
-                                                const ProgressCallback& progress) const {
+                                                const Context& context) const {
   std::vector<SparseRow> rows(3 * vertices.size());
   parallelFor<std::size_t>(
       vertices.size(),
@@ -44,20 +44,20 @@ std::vector<SparseRow> Influence<K>::vertexRows(const std::vector<Index>& vertic
         auto xyz = limit_.vectorRows<K>(vertices[k], closed_[vertices[k]]);
         for (std::size_t axis = 0; axis < 3; ++axis) rows[3 * k + axis] = std::move(xyz[axis]);
       },
-      64);
-  return adjoint_.pullBack(std::move(rows), progress);
+      context, 64);
+  return adjoint_.pullBack(std::move(rows), context);
 }
 
 template <int K>
-InfluenceRows Influence<K>::at(const std::vector<Vec3>& points,
-                               const ProgressCallback& progress) const {
+InfluenceRows Influence<K>::at(const std::vector<Vec3>& points, const Context& context) const {
   InfluenceRows result;
   result.rows.resize(3 * points.size());
   result.inside.resize(points.size());
   std::vector<VertexWeights> where(points.size());
   parallelFor<std::size_t>(
       points.size(),
-      [&](std::size_t k) { result.inside[k] = locator_.locate(points[k], &where[k]); }, 64);
+      [&](std::size_t k) { result.inside[k] = locator_.locate(points[k], &where[k]); }, context,
+      64);
   // Points share vertices: each is pulled back once.
   std::vector<Index> vertices;
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -67,7 +67,7 @@ InfluenceRows Influence<K>::at(const std::vector<Vec3>& points,
   }
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  const std::vector<SparseRow> rows = vertexRows(vertices, progress);
+  const std::vector<SparseRow> rows = vertexRows(vertices, context);
   tbb::enumerable_thread_specific<RowSum> sums([&] { return RowSum(controlCount_); });
   parallelFor<std::size_t>(
       3 * points.size(),
@@ -85,7 +85,7 @@ InfluenceRows Influence<K>::at(const std::vector<Vec3>& points,
         }
         result.rows[r] = sum.take();
       },
-      64);
+      context, 64);
   return result;
 }
 

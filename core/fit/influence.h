@@ -25,15 +25,15 @@ class Influence {
   /// @param zero  control simplices whose coefficient is always 0, one flag each: what they make of
   ///              walls decides where the limit keeps to them (Limit::vectors)
   Influence(const Refiner& refiner, const Limit& limit, BoundaryMode mode,
-            const std::vector<std::uint8_t>& zero);
+            const std::vector<std::uint8_t>& zero, const Context& context = {});
 
-  InfluenceRows at(const std::vector<Vec3>& points, const ProgressCallback& progress = {}) const;
+  InfluenceRows at(const std::vector<Vec3>& points, const Context& context = {}) const;
 
   const PointLocator& locator() const { return locator_; }
 
  private:
   std::vector<SparseRow> vertexRows(const std::vector<Index>& vertices,
-                                    const ProgressCallback& progress) const;
+                                    const Context& context) const;
 
   const Limit& limit_;
   Index controlCount_;

@@ -4,7 +4,7 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <limits>
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "dense_cholesky.h"
 
 namespace octet {
@@ -115,7 +115,9 @@ void refine(const NormalEquations& equations, const Step& step, double enough,
   }
 }
 
-LeastSquaresSolution solveDirectly(const NormalEquations& equations) {
+LeastSquaresSolution solveDirectly(const NormalEquations& equations, const Context& context) {
+  const double n = static_cast<double>(equations.size());
+  const MemoryReservation memory = context.reserve(n * n * sizeof(double), "normal equations");
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(equations.size(), equations.size());
   parallelFor<Eigen::Index>(
       equations.size(),
@@ -123,8 +125,8 @@ LeastSquaresSolution solveDirectly(const NormalEquations& equations) {
         double* const column = matrix.col(k).data();
         equations.column(k, [&](Index i, double w) { column[i] += w; });
       },
-      8);
-  const DenseCholesky factors(std::move(matrix));
+      context, 8);
+  const DenseCholesky factors(std::move(matrix), context);
   LeastSquaresSolution solution;
   solution.determined = factors.succeeded() && factors.smallestPivot() > kSmallestPivot;
   if (!factors.succeeded()) {
@@ -140,7 +142,7 @@ LeastSquaresSolution solveDirectly(const NormalEquations& equations) {
   return solution;
 }
 
-Sparse assemble(const NormalEquations& equations) {
+Sparse assemble(const NormalEquations& equations, const Context& context) {
   const Eigen::Index n = equations.size();
   std::vector<SparseRow> columns(static_cast<std::size_t>(n));
   parallelRanges<Eigen::Index>(
@@ -152,7 +154,7 @@ Sparse assemble(const NormalEquations& equations) {
           columns[static_cast<std::size_t>(k)] = sum.take();
         }
       },
-      256);
+      context, 256);
   Sparse matrix(n, n);
   Eigen::VectorXi sizes(n);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -169,13 +171,14 @@ Sparse assemble(const NormalEquations& equations) {
   return matrix;
 }
 
-LeastSquaresSolution solveIteratively(const NormalEquations& equations) {
-  const Sparse matrix = assemble(equations);
+LeastSquaresSolution solveIteratively(const NormalEquations& equations, const Context& context) {
+  const Sparse matrix = assemble(equations, context);
   Eigen::ConjugateGradient<Sparse, Eigen::Lower | Eigen::Upper, Eigen::IncompleteCholesky<double>>
       gradients;
   // Half of it, as that is measured on the original rows.
   gradients.setTolerance(kIterativeTolerance / 2);
   gradients.setMaxIterations(kMostIterations);
+  context.poll();
   gradients.compute(matrix);
   LeastSquaresSolution solution;
   solution.direct = false;
@@ -192,14 +195,14 @@ LeastSquaresSolution solveIteratively(const NormalEquations& equations) {
 
 }  // namespace
 
-LeastSquaresSolution solve(const LeastSquares& problem, const ProgressCallback& progress) {
+LeastSquaresSolution solve(const LeastSquares& problem, const Context& context) {
   const NormalEquations equations(problem);
   const std::size_t n = static_cast<std::size_t>(equations.size());
-  reportProgress(progress, {"solve", 0, n, "unknowns"});
+  context.report({"solve", 0, n, "unknowns"});
   LeastSquaresSolution solution = equations.size() <= problem.mostDirect
-                                      ? solveDirectly(equations)
-                                      : solveIteratively(equations);
-  reportProgress(progress, {"solve", n, n, "unknowns"});
+                                      ? solveDirectly(equations, context)
+                                      : solveIteratively(equations, context);
+  context.report({"solve", n, n, "unknowns"});
   return solution;
 }
 

@@ -4,7 +4,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../refine/sparse_row.h"
 
 namespace octet {
@@ -32,6 +32,6 @@ struct LeastSquaresSolution {
 /// by conjugate gradients with an incomplete factorisation, to a residual of 1e-9. Both with
 /// iterative refinement on the original rows. Deterministic at any number of threads.
 /// @throws Cancelled
-LeastSquaresSolution solve(const LeastSquares& problem, const ProgressCallback& progress = {});
+LeastSquaresSolution solve(const LeastSquares& problem, const Context& context = {});
 
 }  // namespace octet

@@ -12,8 +12,10 @@ namespace octet {
 class CompositeDeRham {
  public:
   /// @param pieceLength  longest piece, world units: the voxel size
-  CompositeDeRham(const Complex& complex, const Array<Vec3>& positions, double pieceLength)
-      : c_(complex), x_(positions), length_(pieceLength) {}
+  /// @param context  of one call: the map goes with it
+  CompositeDeRham(const Complex& complex, const Array<Vec3>& positions, double pieceLength,
+                  const Context& context = {})
+      : c_(complex), x_(positions), length_(pieceLength), context_(context) {}
 
   /// @param v  Vec3(const Vec3&), called from many threads
   template <typename Function>
@@ -35,7 +37,7 @@ class CompositeDeRham {
           }
           result[e] = sum;
         },
-        16);
+        context_, 16);
     return result;
   }
 
@@ -59,7 +61,7 @@ class CompositeDeRham {
           }
           result[f] = sum.dot(area) / (static_cast<double>(n) * n);
         },
-        16);
+        context_, 16);
     return result;
   }
 
@@ -84,6 +86,7 @@ class CompositeDeRham {
   const Complex& c_;
   const Array<Vec3>& x_;
   double length_;
+  const Context context_;
 };
 
 }  // namespace octet

@@ -18,7 +18,7 @@ constexpr double kProgress = 0.5;
 
 }  // namespace
 
-ConstrainedMinimum::ConstrainedMinimum(Matrix mass, Matrix constraint)
+ConstrainedMinimum::ConstrainedMinimum(Matrix mass, Matrix constraint, const Context& context)
     : mass_(std::move(mass)), constraint_(std::move(constraint)) {
   const Eigen::Index n = mass_.rows(), m = constraint_.rows();
   if (n > 0) scale_ = mass_.diagonal().mean();
@@ -36,14 +36,18 @@ ConstrainedMinimum::ConstrainedMinimum(Matrix mass, Matrix constraint)
   for (Eigen::Index k = 0; k < m; ++k) entries.emplace_back(n + k, n + k, -kDelta);
   Matrix system(n + m, n + m);
   system.setFromTriplets(entries.begin(), entries.end());
-  factors_.compute(system);
+  context.poll();
+  factors_.analyzePattern(system);
+  context.poll();
+  factors_.factorize(system);
+  context.poll();
   if (factors_.info() != Eigen::Success || !factors_.vectorD().allFinite()) {
     throw InputError("", "the mesh has cells without volume: its mass matrix is singular");
   }
 }
 
-ConstrainedMinimum::Solution ConstrainedMinimum::solve(const Vector& pull,
-                                                       const Vector& right) const {
+ConstrainedMinimum::Solution ConstrainedMinimum::solve(const Vector& pull, const Vector& right,
+                                                       const Context& context) const {
   const Eigen::Index n = mass_.rows(), m = constraint_.rows();
   Vector x = Vector::Zero(n), forces = Vector::Zero(m), residual(n + m);
   const auto measure = [&] {
@@ -53,6 +57,7 @@ ConstrainedMinimum::Solution ConstrainedMinimum::solve(const Vector& pull,
   };
   double size = measure();
   for (int step = 0; step < kMostSteps && size > 0; ++step) {
+    context.poll();
     const Vector oldX = x, oldForces = forces;
     const Vector change = factors_.solve(residual);
     x += change.head(n);

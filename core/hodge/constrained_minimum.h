@@ -4,6 +4,8 @@
 #include <Eigen/SparseCholesky>
 #include <memory>
 
+#include "../base/context.h"
+
 namespace octet {
 
 /// @brief Finds the x of least energy x' M x / 2 - g' x with D x = b, M symmetric and positive
@@ -18,8 +20,8 @@ class ConstrainedMinimum {
   using Matrix = Eigen::SparseMatrix<double>;
   using Vector = Eigen::VectorXd;
 
-  /// @throws InputError when M is not positive definite: cells with no volume.
-  ConstrainedMinimum(Matrix mass, Matrix constraint);
+  /// @throws InputError when M is not positive definite: cells with no volume. Cancelled
+  ConstrainedMinimum(Matrix mass, Matrix constraint, const Context& context = {});
 
   /// What was found, and the largest |D x - b|: rounding when D x = b has a solution.
   struct Solution {
@@ -28,7 +30,7 @@ class ConstrainedMinimum {
   };
   /// @param pull   g, one number per unknown
   /// @param right  b, one per row of D
-  Solution solve(const Vector& pull, const Vector& right) const;
+  Solution solve(const Vector& pull, const Vector& right, const Context& context = {}) const;
 
  private:
   Matrix mass_, constraint_;

@@ -65,23 +65,25 @@ std::vector<BoundaryPiece> boundaryFluxes(const Complex& complex, const Cochain<
 struct PotentialSolver::Systems {
   struct System {
     System(const Complex& complex, const Array<Vec3>& positions,
-           const std::vector<std::uint8_t>& fixed)
+           const std::vector<std::uint8_t>& fixed, const Context& context)
         : free(complex.edgeCount(), fixed),
           minimum(free.block(massMatrix<1>(complex, positions)),
-                  free.columns(coboundaryMatrix<1>(complex))) {}
+                  free.columns(coboundaryMatrix<1>(complex)), context) {}
     FreeColumns free;
     ConstrainedMinimum minimum;
   };
 
   std::optional<Cochain<1>> solve(std::unique_ptr<System> Systems::*which,
-                                  const std::vector<std::uint8_t>& fixed, const Cochain<2>& w) {
+                                  const std::vector<std::uint8_t>& fixed, const Cochain<2>& w,
+                                  const Context& context) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      if (!(this->*which)) this->*which = std::make_unique<System>(c, x, fixed);
+      if (!(this->*which)) this->*which = std::make_unique<System>(c, x, fixed, context);
     }
     const System& system = *(this->*which);
     const Eigen::Map<const Eigen::VectorXd> right(w.data(), w.size());
-    const auto solution = system.minimum.solve(Eigen::VectorXd::Zero(system.free.count()), right);
+    const auto solution =
+        system.minimum.solve(Eigen::VectorXd::Zero(system.free.count()), right, context);
     if (solution.residual > kExact * maxNorm(w.values())) return std::nullopt;
     Cochain<1> result(c);
     system.free.add(solution.x, result.data());
@@ -99,7 +101,8 @@ PotentialSolver::PotentialSolver(const Complex& complex, const Array<Vec3>& posi
 PotentialSolver::~PotentialSolver() = default;
 PotentialSolver::PotentialSolver(PotentialSolver&&) noexcept = default;
 
-std::optional<VectorPotential> PotentialSolver::find(const Cochain<2>& form) const {
+std::optional<VectorPotential> PotentialSolver::find(const Cochain<2>& form,
+                                                     const Context& context) const {
   const Complex& c = systems_->c;
   if (openness(c, form).relative > kClosedTolerance) return std::nullopt;
   bool closedWalls = true;
@@ -107,11 +110,11 @@ std::optional<VectorPotential> PotentialSolver::find(const Cochain<2>& form) con
     if (c.facetOnBoundary(f) && form[f] != 0) closedWalls = false;
   }
   if (closedWalls) {
-    if (auto a = systems_->solve(&Systems::relative, onBoundary<1>(c), form)) {
+    if (auto a = systems_->solve(&Systems::relative, onBoundary<1>(c), form, context)) {
       return VectorPotential{std::move(*a), true};
     }
   }
-  if (auto a = systems_->solve(&Systems::absolute, {}, form)) {
+  if (auto a = systems_->solve(&Systems::absolute, {}, form, context)) {
     return VectorPotential{std::move(*a), false};
   }
   return std::nullopt;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../base/context.h"
 #include "../forms/cochain.h"
 
 namespace octet {
@@ -53,7 +54,7 @@ class PotentialSolver {
   PotentialSolver(PotentialSolver&&) noexcept;
 
   /// @return none when w has a part without potential: it is not closed, or see above.
-  std::optional<VectorPotential> find(const Cochain<2>& form) const;
+  std::optional<VectorPotential> find(const Cochain<2>& form, const Context& context = {}) const;
 
  private:
   struct Systems;

@@ -76,11 +76,11 @@ std::vector<std::uint8_t> ofFacets(const Complex& complex,
 template <int K>
 struct ClosedProjection<K>::System {
   System(const Complex& complex, const Array<Vec3>& positions,
-         const std::vector<std::uint8_t>& fixed)
+         const std::vector<std::uint8_t>& fixed, const Context& context)
       : derivative(coboundaryMatrix<K>(complex)),
         mass(massMatrix<K>(complex, positions)),
         free(complex.count(K), fixed),
-        minimum(free.block(mass), free.columns(derivative)) {}
+        minimum(free.block(mass), free.columns(derivative), context) {}
 
   Eigen::SparseMatrix<double> derivative, mass;
   FreeColumns free;
@@ -89,8 +89,9 @@ struct ClosedProjection<K>::System {
 
 template <int K>
 ClosedProjection<K>::ClosedProjection(const Complex& complex, const Array<Vec3>& positions,
-                                      const std::vector<std::uint8_t>& fixed)
-    : system_(std::make_unique<System>(complex, positions, fixed)) {}
+                                      const std::vector<std::uint8_t>& fixed,
+                                      const Context& context)
+    : system_(std::make_unique<System>(complex, positions, fixed, context)) {}
 
 template <int K>
 ClosedProjection<K>::~ClosedProjection() = default;
@@ -98,7 +99,8 @@ template <int K>
 ClosedProjection<K>::ClosedProjection(ClosedProjection&&) noexcept = default;
 
 template <int K>
-Cochain<K> ClosedProjection<K>::apply(const Cochain<K>& form, bool fixedToZero) const {
+Cochain<K> ClosedProjection<K>::apply(const Cochain<K>& form, bool fixedToZero,
+                                      const Context& context) const {
   const System& s = *system_;
   Cochain<K> result = form;
   if (fixedToZero) s.free.clearOthers(result.data());
@@ -110,7 +112,7 @@ Cochain<K> ClosedProjection<K>::apply(const Cochain<K>& form, bool fixedToZero) 
   const Eigen::VectorXd moved = vector(result) - vector(form);
   const Eigen::VectorXd pull = -s.free.rows(s.mass * moved),
                         right = -(s.derivative * vector(result));
-  const auto solution = s.minimum.solve(pull, right);
+  const auto solution = s.minimum.solve(pull, right, context);
   const double scale = maxNorm(form.values());
   if (solution.residual > kNotClosed * scale) {
     throw InputError("", "no closed form has these boundary coefficients: a net " +
@@ -144,9 +146,9 @@ std::vector<std::uint8_t> fixedBy(BoundaryRule rule, const Complex& complex,
 
 template <int K>
 Cochain<K> nearestClosed(const Complex& complex, const Array<Vec3>& positions,
-                         const Cochain<K>& form, BoundaryRule rule) {
-  return ClosedProjection<K>(complex, positions, fixedBy<K>(rule, complex, positions))
-      .apply(form, fixesToZero(rule));
+                         const Cochain<K>& form, BoundaryRule rule, const Context& context) {
+  return ClosedProjection<K>(complex, positions, fixedBy<K>(rule, complex, positions), context)
+      .apply(form, fixesToZero(rule), context);
 }
 
 template class ClosedProjection<1>;
@@ -157,8 +159,8 @@ template std::vector<std::uint8_t> onBoundary<2>(const Complex&);
 template std::vector<std::uint8_t> fixedBy<1>(BoundaryRule, const Complex&, const Array<Vec3>&);
 template std::vector<std::uint8_t> fixedBy<2>(BoundaryRule, const Complex&, const Array<Vec3>&);
 template Cochain<1> nearestClosed(const Complex&, const Array<Vec3>&, const Cochain<1>&,
-                                  BoundaryRule);
+                                  BoundaryRule, const Context&);
 template Cochain<2> nearestClosed(const Complex&, const Array<Vec3>&, const Cochain<2>&,
-                                  BoundaryRule);
+                                  BoundaryRule, const Context&);
 
 }  // namespace octet

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "../base/context.h"
 #include "../forms/cochain.h"
 
 namespace octet {
@@ -31,14 +32,15 @@ class ClosedProjection {
  public:
   /// @param fixed  per simplex, 1 where coefficients are prescribed; empty: nowhere
   ClosedProjection(const Complex& complex, const Array<Vec3>& positions,
-                   const std::vector<std::uint8_t>& fixed);
+                   const std::vector<std::uint8_t>& fixed, const Context& context = {});
   ~ClosedProjection();
   ClosedProjection(ClosedProjection&&) noexcept;
 
   /// @param fixedToZero  fixed coefficients become 0 instead of staying what they are
   /// @throws InputError when no closed form has these fixed coefficients, as when a net flux enters
   /// through a boundary that is kept.
-  Cochain<K> apply(const Cochain<K>& form, bool fixedToZero = false) const;
+  Cochain<K> apply(const Cochain<K>& form, bool fixedToZero = false,
+                   const Context& context = {}) const;
 
  private:
   struct System;
@@ -63,6 +65,7 @@ inline bool fixesToZero(BoundaryRule rule) {
 /// ClosedProjection for one form. @throws InputError as there
 template <int K>
 Cochain<K> nearestClosed(const Complex& complex, const Array<Vec3>& positions,
-                         const Cochain<K>& form, BoundaryRule rule = BoundaryRule::Free);
+                         const Cochain<K>& form, BoundaryRule rule = BoundaryRule::Free,
+                         const Context& context = {});
 
 }  // namespace octet

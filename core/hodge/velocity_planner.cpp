@@ -60,13 +60,14 @@ struct VelocityPlanner::Solvers {
   /// The projector for these fixed coefficients; the last one is kept.
   template <int K>
   std::shared_ptr<const Projector<K>> projector(const ControlMesh& mesh,
-                                                const std::vector<std::uint8_t>& fixed) {
+                                                const std::vector<std::uint8_t>& fixed,
+                                                const Context& context) {
     const std::lock_guard<std::mutex> lock(mutex);
     auto& last = std::get<std::shared_ptr<const Projector<K>>>(projectors);
     if (!last || last->fixed != fixed) {
       const Complex& c = *mesh.complex();
       last = std::make_shared<const Projector<K>>(
-          Projector<K>{fixed, ClosedProjection<K>(c, mesh.positions(), fixed),
+          Projector<K>{fixed, ClosedProjection<K>(c, mesh.positions(), fixed, context),
                        massMatrix<K>(c, mesh.positions())});
     }
     return last;
@@ -81,7 +82,8 @@ VelocityPlanner::VelocityPlanner(const ControlMesh& mesh)
     : mesh_(mesh), solvers_(std::make_unique<Solvers>(mesh)) {}
 VelocityPlanner::~VelocityPlanner() = default;
 
-VelocityPlan VelocityPlanner::plan(const Cochain<2>& velocity, const Cochain<1>* given) const {
+VelocityPlan VelocityPlanner::plan(const Cochain<2>& velocity, const Cochain<1>* given,
+                                   const Context& context) const {
   const Complex& c = *mesh_.complex();
   const bool closedWalls = hasClosedWalls(c, velocity);
   if (given && (!closedWalls || vanishesOnBoundary(c, *given))) {
@@ -92,7 +94,7 @@ VelocityPlan VelocityPlanner::plan(const Cochain<2>& velocity, const Cochain<1>*
     result.flaw = std::move(*open);
     return result;
   }
-  result.potential = solvers_->potentials.find(velocity);
+  result.potential = solvers_->potentials.find(velocity, context);
   if (!result.potential) {
     result.flaw = LeavesVoid{netFluxes(mesh_, velocity)};
   } else if (closedWalls && !result.potential->zeroOnBoundary) {
@@ -123,22 +125,22 @@ std::optional<NotClosed> VelocityPlanner::whereOpen(const Cochain<K>& form) cons
 }
 
 template <int K>
-ClosedForm<K> VelocityPlanner::closest(const Cochain<K>& form) const {
+ClosedForm<K> VelocityPlanner::closest(const Cochain<K>& form, const Context& context) const {
   const Complex& c = *mesh_.complex();
   const auto open = whereOpen(form);
   if (!open) return {form, std::nullopt};
   std::vector<std::uint8_t> fixed = onBoundary<K>(c);
   for (Index k = 0; k < form.size(); ++k) fixed[k] = fixed[k] && form[k] == 0;
-  const auto projector = solvers_->projector<K>(mesh_, fixed);
-  ClosedForm<K> result{projector->projection.apply(form), open};
+  const auto projector = solvers_->projector<K>(mesh_, fixed, context);
+  ClosedForm<K> result{projector->projection.apply(form, context), open};
   Cochain<K> change = result.form;
   for (Index k = 0; k < form.size(); ++k) change[k] -= form[k];
   result.changed = std::sqrt(energy(projector->mass, change) / energy(projector->mass, form));
   return result;
 }
 
-template ClosedForm<1> VelocityPlanner::closest(const Cochain<1>&) const;
-template ClosedForm<2> VelocityPlanner::closest(const Cochain<2>&) const;
+template ClosedForm<1> VelocityPlanner::closest(const Cochain<1>&, const Context&) const;
+template ClosedForm<2> VelocityPlanner::closest(const Cochain<2>&, const Context&) const;
 template std::optional<NotClosed> VelocityPlanner::whereOpen(const Cochain<1>&) const;
 template std::optional<NotClosed> VelocityPlanner::whereOpen(const Cochain<2>&) const;
 

@@ -63,11 +63,12 @@ class VelocityPlanner {
   /// @param given  a potential of `velocity` that the user gave, or null. It is used as it is
   /// unless
   ///               walls are closed and it does not vanish along them.
-  VelocityPlan plan(const Cochain<2>& velocity, const Cochain<1>* given) const;
+  VelocityPlan plan(const Cochain<2>& velocity, const Cochain<1>* given,
+                    const Context& context = {}) const;
 
   /// The closed form nearest to `form`; coefficients that are 0 on the boundary stay 0.
   template <int K>
-  ClosedForm<K> closest(const Cochain<K>& form) const;
+  ClosedForm<K> closest(const Cochain<K>& form, const Context& context = {}) const;
 
   /// By how much and where a form is not closed; none when it is.
   template <int K>

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "../base/error.h"
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "../forms/coboundary.h"
 #include "segment_integrals.h"
 
@@ -17,9 +17,9 @@ constexpr Index kChunk = 1 << 16;
 
 class Integrator {
  public:
-  Integrator(const Complex& complex, const Array<Vec3>& positions, const ProgressCallback& progress,
+  Integrator(const Complex& complex, const Array<Vec3>& positions, const Context& context,
              std::string stage)
-      : c_(complex), x_(positions), progress_(progress), stage_(std::move(stage)) {}
+      : c_(complex), x_(positions), context_(context), stage_(std::move(stage)) {}
 
   template <typename Field>
   Cochain<1> circulations(const Field& field) const {
@@ -75,16 +75,16 @@ class Integrator {
   template <typename Body>
   void inChunks(Index count, const char* unit, const Body& body) const {
     for (Index first = 0; first < count; first += kChunk) {
-      reportProgress(progress_, {stage_, static_cast<std::size_t>(first),
-                                 static_cast<std::size_t>(count), unit});
+      context_.report(
+          {stage_, static_cast<std::size_t>(first), static_cast<std::size_t>(count), unit});
       parallelFor<Index>(
-          std::min(kChunk, count - first), [&](Index k) { body(first + k); }, 64);
+          std::min(kChunk, count - first), [&](Index k) { body(first + k); }, context_, 64);
     }
   }
 
   const Complex& c_;
   const Array<Vec3>& x_;
-  const ProgressCallback& progress_;
+  const Context& context_;
   std::string stage_;
 };
 
@@ -92,10 +92,10 @@ class Integrator {
 
 template <int K>
 Cochain<K> integrate(const Primitive& primitive, const Complex& complex,
-                     const Array<Vec3>& positions, const ProgressCallback& progress) {
+                     const Array<Vec3>& positions, const Context& context) {
   static_assert(K == 1 || K == 2, "velocities are 1-forms or 2-forms");
   checkPrimitive(primitive);
-  const Integrator integrator(complex, positions, progress, "add " + nameOf(primitive));
+  const Integrator integrator(complex, positions, context, "add " + nameOf(primitive));
   return std::visit(
       [&](const auto& p) -> Cochain<K> {
         if constexpr (K == 1) {
@@ -108,8 +108,8 @@ Cochain<K> integrate(const Primitive& primitive, const Complex& complex,
 }
 
 template Cochain<1> integrate<1>(const Primitive&, const Complex&, const Array<Vec3>&,
-                                 const ProgressCallback&);
+                                 const Context&);
 template Cochain<2> integrate<2>(const Primitive&, const Complex&, const Array<Vec3>&,
-                                 const ProgressCallback&);
+                                 const Context&);
 
 }  // namespace octet

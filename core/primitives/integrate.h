@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../forms/cochain.h"
 #include "primitive.h"
 
@@ -19,6 +19,6 @@ namespace octet {
 /// an edge, and for K = 1 a source without core at a vertex or a ring without core. Cancelled
 template <int K>
 Cochain<K> integrate(const Primitive& primitive, const Complex& complex,
-                     const Array<Vec3>& positions, const ProgressCallback& progress = {});
+                     const Array<Vec3>& positions, const Context& context = {});
 
 }  // namespace octet

@@ -11,10 +11,10 @@ namespace {
 /// Samples a field into memory; active is what lies inside the domain.
 template <int C>
 void sampleInto(TileGrid<C>* grid, const Field<C>& field, const GridFrame& frame,
-                const std::string& stage, const ProgressCallback& progress) {
+                const std::string& stage, const Context& context) {
   rasterize<C>(
       field.source(), frame, Sampling::Collocated, [&](const Tile<C>& tile) { grid->add(tile); },
-      stage, progress);
+      stage, context);
   grid->sort();
 }
 
@@ -94,12 +94,12 @@ void addVectors(const TileGrid<3>& vectors, const GridFrame& frame, TileGrid<1>*
 
 void rasterizeDifferences(const GradientField& field, const GridFrame& frame, Sampling sampling,
                           const TileSink<3>& sink, const std::string& stage,
-                          const ProgressCallback& progress) {
+                          const Context& context) {
   const double h = frame.voxelSize;
   TileGrid<3> vectors;
   TileGrid<1> inside;
-  sampleInto(&vectors, field.vectors, frame, stage, progress);
-  sampleInto(&inside, field.base, frame, stage, progress);
+  sampleInto(&vectors, field.vectors, frame, stage, context);
+  sampleInto(&inside, field.base, frame, stage, context);
   addVectors(vectors, frame, &inside);
   const Continued outside(inside, vectors, h);
   const auto potential = [&](const SampleIndex& at) {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../field/gradient_field.h"
 #include "tile.h"
 
@@ -16,6 +16,6 @@ namespace octet {
 /// @throws InputError, Cancelled as rasterize()
 void rasterizeDifferences(const GradientField& field, const GridFrame& frame, Sampling sampling,
                           const TileSink<3>& sink, const std::string& stage,
-                          const ProgressCallback& progress);
+                          const Context& context);
 
 }  // namespace octet

@@ -235,7 +235,7 @@ class MeanPatch : public EdgePatch {
 template <typename MakePatch>
 void rasterizePatches(const PotentialField& field, const GridFrame& frame,
                       const MakePatch& makePatch, const TileSink<3>& sink, const std::string& stage,
-                      const ProgressCallback& progress) {
+                      const Context& context) {
   checkVoxelSize(frame);
   Box bounds;
   for (const Vec3& p : field.positions()) bounds.extend(p);
@@ -255,7 +255,7 @@ void rasterizePatches(const PotentialField& field, const GridFrame& frame,
     return tilesOfBox(box);
   };
   fillPatches<3>({c.cellCount(), tilesOfBox(bounds), tilesOfCell}, makePatch, sink, stage,
-                 progress);
+                 context);
 }
 
 /// How much of its Laplacian is added to a velocity. By the limit on the lattice, times the edge
@@ -273,16 +273,16 @@ constexpr double kMostNeighbours = 1.0 / 6;
 }  // namespace
 
 void rasterizeFluxes(const PotentialField& field, const GridFrame& frame, const TileSink<3>& sink,
-                     const std::string& stage, const ProgressCallback& progress) {
+                     const std::string& stage, const Context& context) {
   rasterizePatches(
-      field, frame, [&] { return FacePatch(field, frame); }, sink, stage, progress);
+      field, frame, [&] { return FacePatch(field, frame); }, sink, stage, context);
 }
 
 void rasterizeMeanFluxes(const PotentialField& field, const GridFrame& frame, double neighbours,
                          const TileSink<3>& sink, const std::string& stage,
-                         const ProgressCallback& progress) {
+                         const Context& context) {
   rasterizePatches(
-      field, frame, [&] { return MeanPatch(field, frame, neighbours); }, sink, stage, progress);
+      field, frame, [&] { return MeanPatch(field, frame, neighbours); }, sink, stage, context);
 }
 
 double neighbourWeight(double voxelsPerEdge) {

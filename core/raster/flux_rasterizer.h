@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../hodge/potential_field.h"
 #include "tile.h"
 
@@ -23,7 +23,7 @@ namespace octet {
 ///              particular order; the same tiles for any number of threads
 /// @throws InputError, Cancelled as rasterize()
 void rasterizeFluxes(const PotentialField& field, const GridFrame& frame, const TileSink<3>& sink,
-                     const std::string& stage = "", const ProgressCallback& progress = {});
+                     const std::string& stage = "", const Context& context = {});
 
 /// @brief The same for a collocated grid and central differences: component c at ijk is the mean
 /// over the square of 2 x 2 voxels around ijk across c, and of these means, which cancel around
@@ -32,7 +32,7 @@ void rasterizeFluxes(const PotentialField& field, const GridFrame& frame, const 
 /// @param neighbours  weight of each neighbour: 0 to 1/6
 void rasterizeMeanFluxes(const PotentialField& field, const GridFrame& frame, double neighbours,
                          const TileSink<3>& sink, const std::string& stage = "",
-                         const ProgressCallback& progress = {});
+                         const Context& context = {});
 
 /// @brief The weight with which mean fluxes are nearest to the limit of refinement.
 ///

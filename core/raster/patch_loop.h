@@ -8,7 +8,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "../base/error.h"
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "block_bins.h"
 #include "tile.h"
 
@@ -61,7 +61,7 @@ struct CellTiles {
 /// @param progress  called from the calling thread
 template <int C, typename MakePatch>
 void fillPatches(const CellTiles& cells, const MakePatch& makePatch, const TileSink<C>& sink,
-                 const std::string& stage, const ProgressCallback& progress) {
+                 const std::string& stage, const Context& context) {
   if (cells.all.empty()) return;
   const BlockBins blocks(cells.cellCount, cells.all, cells.ofCell);
   tbb::enumerable_thread_specific<decltype(makePatch())> patches(makePatch);
@@ -81,11 +81,11 @@ void fillPatches(const CellTiles& cells, const MakePatch& makePatch, const TileS
   const std::size_t count = blocks.blockCount();
   const std::size_t atOnce = std::max(kFewestBlocks, count / kReports);
   for (std::size_t first = 0; first < count; first += atOnce) {
-    reportProgress(progress, {stage, first, count, "blocks"});
+    context.report({stage, first, count, "blocks"});
     parallelFor<std::size_t>(
         std::min(atOnce, count - first), [&](std::size_t k) { fillBlock(first + k); }, 1);
   }
-  reportProgress(progress, {stage, count, count, "blocks"});
+  context.report({stage, count, count, "blocks"});
 }
 
 }  // namespace octet

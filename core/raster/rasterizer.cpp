@@ -248,7 +248,7 @@ class PatchPainter {
 template <int C>
 void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
                const TileSink<C>& sink, const std::string& stage,
-               const ProgressCallback& progress) {
+               const Context& context) {
   checkVoxelSize(frame);
   const double after = sampling == Sampling::Staggered ? 0.5 : 0.0;
   const auto tilesOfBox = [&](const Box& box) {
@@ -261,12 +261,12 @@ void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sa
   const CellTiles cells{source.complex().cellCount(), tilesOfBox(bounds),
                         [&](Index cell) { return tilesOfBox(source.cellBox(cell)); }};
   const auto makePatch = [&] { return PatchPainter<C>(source, frame, sampling); };
-  fillPatches<C>(cells, makePatch, sink, stage, progress);
+  fillPatches<C>(cells, makePatch, sink, stage, context);
 }
 
 template void rasterize<1>(const PieceSource<1>&, const GridFrame&, Sampling, const TileSink<1>&,
-                           const std::string&, const ProgressCallback&);
+                           const std::string&, const Context&);
 template void rasterize<3>(const PieceSource<3>&, const GridFrame&, Sampling, const TileSink<3>&,
-                           const std::string&, const ProgressCallback&);
+                           const std::string&, const Context&);
 
 }  // namespace octet

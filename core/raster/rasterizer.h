@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../field/piece_source.h"
 #include "tile.h"
 
@@ -18,6 +18,6 @@ namespace octet {
 template <int C>
 void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
                const TileSink<C>& sink, const std::string& stage = "",
-               const ProgressCallback& progress = {});
+               const Context& context = {});
 
 }  // namespace octet

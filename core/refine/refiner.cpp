@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "refiner.h"
 
+#include <cmath>
+
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
 #include "../topology/split.h"
@@ -9,12 +11,15 @@
 namespace octet {
 namespace {
 constexpr int kMostLevels = 12;
+/// What a cell of a level takes in memory, at most, while levels are built
+/// (tests/bench/memory.cpp).
+constexpr double kBytesPerCell = 400;
 
 /// Reports the building of a level, part by part; what is done is told in cells.
 class LevelProgress {
  public:
-  LevelProgress(const ProgressCallback& callback, int level, std::int64_t cells)
-      : callback_(callback),
+  LevelProgress(const Context& context, int level, std::int64_t cells)
+      : context_(context),
         stage_("build level " + std::to_string(level)),
         cells_(static_cast<std::size_t>(cells)) {
     report(0);
@@ -22,15 +27,19 @@ class LevelProgress {
   /// Rough shares of the time, when each part ends.
   enum Percent { kTopology = 25, kSmoothing = 35, kPositions = 50, kAll = 100 };
   void report(int percent) const {
-    reportProgress(callback_,
-                   {stage_, cells_ * static_cast<std::size_t>(percent) / kAll, cells_, "cells"});
+    context_.report({stage_, cells_ * static_cast<std::size_t>(percent) / kAll, cells_, "cells"});
   }
 
  private:
-  const ProgressCallback& callback_;
+  const Context context_;
   std::string stage_;
   std::size_t cells_;
 };
+
+/// The part of the work on all levels that level k is: each has eight times the cells of the last.
+double shareOfLevel(int k, int levels) {
+  return std::pow(8.0, k) * 7 / (std::pow(8.0, levels + 1) - 8);
+}
 }  // namespace
 
 /// A level with the operators that lead to it from the one before.
@@ -43,7 +52,7 @@ struct Refiner::Level {
   std::unique_ptr<PatchTest> patchTest;
 };
 
-Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
+Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options, const Context& context)
     : options_(options),
       linear_(options.zeta),
       kernels_(std::make_unique<CellKernels>(options.zeta)),
@@ -62,9 +71,14 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
   control->boundary = Boundary(*control->complex, mesh.corners(), nullptr);
   if (options.levels == 0) control->sites = LatticeSites(*control->complex);
   levels_.push_back(std::move(control));
+  double reserved = 0;
   for (int k = 1; k <= options.levels; ++k) {
     const Level& coarse = *levels_.back();
-    const LevelProgress progress(options.progress, k, coarse.complex->children().cellCount());
+    reserved += kBytesPerCell * static_cast<double>(coarse.complex->children().cellCount());
+    memory_ = MemoryReservation();
+    memory_ = context.reserve(reserved, "the cells of " + std::to_string(k) + " levels");
+    const LevelProgress progress(context.sub(shareOfLevel(k, options.levels)), k,
+                                 coarse.complex->children().cellCount());
     auto fine = std::make_unique<Level>();
     fine->complex = split(coarse.complex);
     fine->boundary = Boundary(*fine->complex, mesh.corners(), &coarse.boundary);
@@ -80,6 +94,7 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options)
     Array<double> before(coarse.complex->vertexCount()), linear(fine->complex->vertexCount()),
         after(fine->complex->vertexCount());
     for (int axis = 0; axis < 3; ++axis) {
+      context.poll();
       parallelFor<Index>(coarse.complex->vertexCount(),
                          [&](Index v) { before[v] = coarse.positions[v][axis]; });
       linear_.apply0(*coarse.complex, before.data(), linear.data());
@@ -118,7 +133,8 @@ const Boundary& Refiner::boundary(int level) const { return levels_.at(level)->b
 const LatticeSites& Refiner::sites(int level) const { return levels_.at(level)->sites; }
 
 template <int K>
-Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode) const {
+Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode,
+                         const Context& context) const {
   const Complex& coarse = complex(level);
   const Complex& fine = complex(level + 1);
   const Level& to = *levels_.at(level + 1);
@@ -127,21 +143,26 @@ Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode) c
                              std::to_string(level) + " has " + std::to_string(coarse.count(K)) +
                              " coefficients, not " + std::to_string(form.size()));
   }
+  context.poll();
   Cochain<K> result(fine);
   auto loan = scratch_->take(to.smoothing ? result.size() : 0);
   double* const linear = to.smoothing ? loan.data() : result.data();
   const Correction correction{to.patchTest.get(), mode};
   if constexpr (K == 0) {
     linear_.apply0(coarse, form.data(), linear);
+    context.poll();
     if (to.smoothing) to.smoothing->apply0(form.data(), linear, result.data());
   } else if constexpr (K == 1) {
     linear_.apply1(coarse, form.data(), linear);
+    context.poll();
     if (to.smoothing) to.smoothing->apply1(form.data(), linear, correction, result.data());
   } else if constexpr (K == 2) {
     linear_.apply2(coarse, form.data(), linear);
+    context.poll();
     if (to.smoothing) to.smoothing->apply2(form.data(), linear, correction, result.data());
   } else {
     linear_.apply3(coarse, form.data(), linear);
+    context.poll();
     if (to.smoothing) to.smoothing->apply3(form.data(), linear, result.data());
   }
   return result;
@@ -156,13 +177,14 @@ StepAdjoint Refiner::rows(int level, BoundaryMode mode) const {
 }
 
 template <int K>
-Cochain<K> Refiner::refine(Cochain<K> form, BoundaryMode mode) const {
+Cochain<K> Refiner::refine(Cochain<K> form, BoundaryMode mode, const Context& context) const {
   for (int level = 0; level < levels(); ++level) {
     const auto total = static_cast<std::size_t>(complex(level + 1).count(K));
     const std::string stage = "refine to level " + std::to_string(level + 1);
-    reportProgress(options_.progress, {stage, 0, total, "coefficients"});
-    form = step(level, form, mode);
-    reportProgress(options_.progress, {stage, total, total, "coefficients"});
+    const Context part = context.sub(shareOfLevel(level + 1, levels()));
+    part.report({stage, 0, total, "coefficients"});
+    form = step(level, form, mode, part);
+    part.report({stage, total, total, "coefficients"});
   }
   return form;
 }
@@ -177,14 +199,14 @@ BoundaryMode automaticMode(const Complex& control, const Cochain<K>& form) {
   return BoundaryMode::Walls;
 }
 
-template Cochain<0> Refiner::step(int, const Cochain<0>&, BoundaryMode) const;
-template Cochain<1> Refiner::step(int, const Cochain<1>&, BoundaryMode) const;
-template Cochain<2> Refiner::step(int, const Cochain<2>&, BoundaryMode) const;
-template Cochain<3> Refiner::step(int, const Cochain<3>&, BoundaryMode) const;
-template Cochain<0> Refiner::refine(Cochain<0>, BoundaryMode) const;
-template Cochain<1> Refiner::refine(Cochain<1>, BoundaryMode) const;
-template Cochain<2> Refiner::refine(Cochain<2>, BoundaryMode) const;
-template Cochain<3> Refiner::refine(Cochain<3>, BoundaryMode) const;
+template Cochain<0> Refiner::step(int, const Cochain<0>&, BoundaryMode, const Context&) const;
+template Cochain<1> Refiner::step(int, const Cochain<1>&, BoundaryMode, const Context&) const;
+template Cochain<2> Refiner::step(int, const Cochain<2>&, BoundaryMode, const Context&) const;
+template Cochain<3> Refiner::step(int, const Cochain<3>&, BoundaryMode, const Context&) const;
+template Cochain<0> Refiner::refine(Cochain<0>, BoundaryMode, const Context&) const;
+template Cochain<1> Refiner::refine(Cochain<1>, BoundaryMode, const Context&) const;
+template Cochain<2> Refiner::refine(Cochain<2>, BoundaryMode, const Context&) const;
+template Cochain<3> Refiner::refine(Cochain<3>, BoundaryMode, const Context&) const;
 template BoundaryMode automaticMode(const Complex&, const Cochain<0>&);
 template BoundaryMode automaticMode(const Complex&, const Cochain<1>&);
 template BoundaryMode automaticMode(const Complex&, const Cochain<2>&);

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../forms/cochain.h"
 #include "../topology/boundary.h"
 #include "../topology/control_mesh.h"
@@ -23,7 +23,6 @@ struct RefinerOptions {
   bool smooth = true;          ///< false: linear (Whitney) subdivision only; positions stay put
   bool patchTest = true;       ///< false: without the correction for constant fluxes
   BoundaryRows boundaryRows = BoundaryRows::Surface;  ///< Star needs patchTest = false
-  ProgressCallback progress{};                        ///< called several times per level
 };
 
 /// @brief Subdivides a control mesh and the forms on it (SCHEME.md sections 3 to 8).
@@ -35,8 +34,9 @@ struct RefinerOptions {
 class Refiner {
  public:
   /// @throws InputError for levels out of range, more simplices than can be numbered, or options
-  /// that exclude one another.
-  explicit Refiner(const ControlMesh& mesh, const RefinerOptions& options = {});
+  /// that exclude one another; MemoryError before a level that does not fit; Cancelled
+  explicit Refiner(const ControlMesh& mesh, const RefinerOptions& options = {},
+                   const Context& context = {});
   ~Refiner();
   Refiner(Refiner&&) noexcept;
   Refiner& operator=(Refiner&&) noexcept;
@@ -56,11 +56,11 @@ class Refiner {
 
   /// One step: coefficients on level `level` + 1 from those on `level`.
   template <int K>
-  Cochain<K> step(int level, const Cochain<K>& form, BoundaryMode mode) const;
-  /// Coefficients on the finest level from those on the control mesh; reports each level to the
-  /// options' progress, from the calling thread.
+  Cochain<K> step(int level, const Cochain<K>& form, BoundaryMode mode,
+                  const Context& context = {}) const;
+  /// Coefficients on the finest level from those on the control mesh.
   template <int K>
-  Cochain<K> refine(Cochain<K> form, BoundaryMode mode) const;
+  Cochain<K> refine(Cochain<K> form, BoundaryMode mode, const Context& context = {}) const;
 
   /// One step by rows: how single coefficients on level `level` + 1 depend on level `level`.
   /// @throws InputError with BoundaryRows::Star
@@ -73,6 +73,7 @@ class Refiner {
   std::unique_ptr<CellKernels> kernels_;
   std::unique_ptr<ScratchPool> scratch_;
   std::vector<std::unique_ptr<Level>> levels_;  // refer to kernels and scratch
+  MemoryReservation memory_;                    // what they take
 };
 
 /// The mode that keeps what the form says about its boundary: walls where all its boundary

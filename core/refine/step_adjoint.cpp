@@ -162,14 +162,14 @@ std::vector<SparseRow> RefinementAdjoint<K>::pullBackStep(
 
 template <int K>
 std::vector<SparseRow> RefinementAdjoint<K>::pullBack(std::vector<SparseRow> rows,
-                                                      const ProgressCallback& progress) const {
+                                                      const Context& context) const {
   const std::size_t levels = steps_.size();
   for (std::size_t level = levels; level-- > 0;) {
-    reportProgress(progress, {"influence of coefficients", levels - 1 - level, levels, "levels"});
+    context.report({"influence of coefficients", levels - 1 - level, levels, "levels"});
     rows = pullBackStep(steps_[level], rows);
   }
   if (levels > 0) {
-    reportProgress(progress, {"influence of coefficients", levels, levels, "levels"});
+    context.report({"influence of coefficients", levels, levels, "levels"});
   }
   return rows;
 }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "smoothing.h"
 #include "sparse_row.h"
 
@@ -60,8 +60,7 @@ class RefinementAdjoint {
 
   /// @param rows  over coefficients of the finest level
   /// @return the same number of rows, over control coefficients
-  std::vector<SparseRow> pullBack(std::vector<SparseRow> rows,
-                                  const ProgressCallback& progress = {}) const;
+  std::vector<SparseRow> pullBack(std::vector<SparseRow> rows, const Context& context = {}) const;
 
  private:
   std::vector<SparseRow> pullBackStep(const StepAdjoint& step,

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 
 namespace octet {
 namespace {
@@ -108,13 +108,13 @@ std::vector<Vec3> spacedPoints(const std::function<bool(const Vec3&)>& inside, c
 }
 
 std::vector<Streamline> placeStreamlines(const VelocityFunction& velocity, const Box& box,
-                                         const PlacementOptions& options) {
+                                         const PlacementOptions& options, const Context& context) {
   std::vector<Streamline> result;
   Neighbourhood taken(options.separation);
   const std::vector<Vec3> candidates = haltonPoints(box, options.count * kCandidates);
   std::size_t next = 0;
   while (result.size() < options.count && next < candidates.size()) {
-    reportProgress(options.progress, {"streamlines", result.size(), options.count, "lines"});
+    context.report({"streamlines", result.size(), options.count, "lines"});
     std::vector<Vec3> seeds;
     for (; next < candidates.size() && seeds.size() < kBatch; ++next) {
       Vec3 unused;
@@ -124,14 +124,15 @@ std::vector<Streamline> placeStreamlines(const VelocityFunction& velocity, const
     std::vector<Streamline> batch(seeds.size());
     parallelFor<std::size_t>(
         seeds.size(),
-        [&](std::size_t k) { batch[k] = traceBothWays(velocity, seeds[k], options.lines); }, 1);
+        [&](std::size_t k) { batch[k] = traceBothWays(velocity, seeds[k], options.lines); },
+        context, 1);
     for (std::size_t k = 0; k < batch.size() && result.size() < options.count; ++k) {
       if (taken.anyNear(seeds[k]) || batch[k].length() < options.shortest) continue;
       addLine(batch[k], options.separation / 2, &taken);
       result.push_back(std::move(batch[k]));
     }
   }
-  reportProgress(options.progress, {"streamlines", options.count, options.count, "lines"});
+  context.report({"streamlines", options.count, options.count, "lines"});
   return result;
 }
 

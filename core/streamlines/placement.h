@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../base/progress.h"
+#include "../base/context.h"
 #include "../geometry/box_bins.h"
 #include "streamline.h"
 
@@ -22,13 +22,13 @@ struct PlacementOptions {
   double separation = 0;   ///< no seed lies nearer to an earlier line, world units
   double shortest = 0;     ///< shorter lines are left out
   StreamlineOptions lines;
-  ProgressCallback progress{};
 };
 
 /// @brief Streamlines that fill a domain evenly: the box' Halton points, in their order, become
 /// seeds unless an earlier line runs near. Lines are traced in parallel, in batches of one size, so
 /// that the result does not depend on threads. @throws Cancelled
 std::vector<Streamline> placeStreamlines(const VelocityFunction& velocity, const Box& box,
-                                         const PlacementOptions& options);
+                                         const PlacementOptions& options,
+                                         const Context& context = {});
 
 }  // namespace octet

@@ -42,12 +42,14 @@ class ThesisSubdivision : public Subdivision {
 /// Star rows at the boundary, and what Simple and Projection make of them.
 class Shrinking : public ThesisSubdivision {
  public:
-  Shrinking(const ControlMesh& mesh, ThesisMethod method, const RefinerOptions& options)
-      : ThesisSubdivision(method, options.zeta), refiner_(mesh, shrinking(options)) {
+  Shrinking(const ControlMesh& mesh, ThesisMethod method, const RefinerOptions& options,
+            const Context& context)
+      : ThesisSubdivision(method, options.zeta), refiner_(mesh, shrinking(options), context) {
     for (int k = 0; k <= refiner_.levels(); ++k) complexes_.push_back(refiner_.sharedComplex(k));
     if (method != ThesisMethod::Projection || !options.smooth) return;
     positions_.push_back(refiner_.positions(0));
     for (int k = 0; k < refiner_.levels(); ++k) {
+      context.poll();
       layers_.push_back(std::make_unique<LayerProjection>(refiner_, k, positions_.back()));
       positions_.push_back(layers_.back()->finePositions());
       patchTests_.emplace_back(refiner_, k, positions_[static_cast<std::size_t>(k)],
@@ -67,25 +69,37 @@ class Shrinking : public ThesisSubdivision {
                : "projection: coefficients at the boundary are fitted, so there is divergence and "
                  "curl that the form does not have";
   }
-  Cochain<0> refine(const Cochain<0>& control, BoundaryMode) const override {
-    return steps(checked(control));
+  Cochain<0> refine(const Cochain<0>& control, BoundaryMode,
+                    const Context& context) const override {
+    return steps(checked(control), context);
   }
-  Cochain<1> refine(const Cochain<1>& control, BoundaryMode) const override {
-    return steps(checked(control));
+  Cochain<1> refine(const Cochain<1>& control, BoundaryMode,
+                    const Context& context) const override {
+    return steps(checked(control), context);
   }
-  Cochain<2> refine(const Cochain<2>& control, BoundaryMode) const override {
-    return steps(checked(control));
+  Cochain<2> refine(const Cochain<2>& control, BoundaryMode,
+                    const Context& context) const override {
+    return steps(checked(control), context);
   }
-  Cochain<3> refine(const Cochain<3>& control, BoundaryMode) const override {
-    return steps(checked(control));
+  Cochain<3> refine(const Cochain<3>& control, BoundaryMode,
+                    const Context& context) const override {
+    return steps(checked(control), context);
   }
 
   bool hasLimits() const override { return false; }
-  const Array<Vec3>& limitPositions() const override { return positions(levels()); }
-  Array<double> limitValues(const Cochain<0>&, BoundaryMode) const override { throw noLimits(); }
-  Array<Vec3> limitVectors(const Cochain<1>&, BoundaryMode) const override { throw noLimits(); }
-  Array<Vec3> limitVectors(const Cochain<2>&, BoundaryMode) const override { throw noLimits(); }
-  Array<double> limitDensities(const Cochain<3>&, BoundaryMode) const override { throw noLimits(); }
+  const Array<Vec3>& limitPositions(const Context&) const override { return positions(levels()); }
+  Array<double> limitValues(const Cochain<0>&, BoundaryMode, const Context&) const override {
+    throw noLimits();
+  }
+  Array<Vec3> limitVectors(const Cochain<1>&, BoundaryMode, const Context&) const override {
+    throw noLimits();
+  }
+  Array<Vec3> limitVectors(const Cochain<2>&, BoundaryMode, const Context&) const override {
+    throw noLimits();
+  }
+  Array<double> limitDensities(const Cochain<3>&, BoundaryMode, const Context&) const override {
+    throw noLimits();
+  }
 
  private:
   static std::logic_error noLimits() {
@@ -98,9 +112,9 @@ class Shrinking : public ThesisSubdivision {
   }
 
   template <int K>
-  Cochain<K> steps(Cochain<K> form) const {
+  Cochain<K> steps(Cochain<K> form, const Context& context) const {
     for (int level = 0; level < levels(); ++level) {
-      Cochain<K> fine = refiner_.step(level, form, BoundaryMode::Walls);
+      Cochain<K> fine = refiner_.step(level, form, BoundaryMode::Walls, context);
       if (method_ == ThesisMethod::Simple) {
         clearBoundary(level + 1, &fine);
       } else if (!layers_.empty()) {
@@ -135,13 +149,13 @@ class Shrinking : public ThesisSubdivision {
 /// level of cells needs, so it is not trimmed but left unread.
 class Expanding : public ThesisSubdivision {
  public:
-  Expanding(const ControlMesh& mesh, const RefinerOptions& options)
+  Expanding(const ControlMesh& mesh, const RefinerOptions& options, const Context& context)
       : ThesisSubdivision(ThesisMethod::Expansion, options.zeta),
         layer_(mesh),
         expanded_(ControlMesh::build(layer_.expanded)),
         extension_(mesh, layer_, expanded_),
-        refiner_(expanded_, plain(options)),
-        limit_(refiner_) {
+        refiner_(expanded_, plain(options), context),
+        limit_(refiner_, context) {
     complexes_.push_back(mesh.complex());
     RealPart control;
     control.places[0] = extension_.embedding<0>();
@@ -162,10 +176,22 @@ class Expanding : public ThesisSubdivision {
   const Array<Vec3>& positions(int level) const override {
     return positions_.at(static_cast<std::size_t>(level));
   }
-  Cochain<0> refine(const Cochain<0>& control, BoundaryMode) const override { return own(control); }
-  Cochain<1> refine(const Cochain<1>& control, BoundaryMode) const override { return own(control); }
-  Cochain<2> refine(const Cochain<2>& control, BoundaryMode) const override { return own(control); }
-  Cochain<3> refine(const Cochain<3>& control, BoundaryMode) const override { return own(control); }
+  Cochain<0> refine(const Cochain<0>& control, BoundaryMode,
+                    const Context& context) const override {
+    return own(control, context);
+  }
+  Cochain<1> refine(const Cochain<1>& control, BoundaryMode,
+                    const Context& context) const override {
+    return own(control, context);
+  }
+  Cochain<2> refine(const Cochain<2>& control, BoundaryMode,
+                    const Context& context) const override {
+    return own(control, context);
+  }
+  Cochain<3> refine(const Cochain<3>& control, BoundaryMode,
+                    const Context& context) const override {
+    return own(control, context);
+  }
 
   bool commutes() const override { return extension_.exact(); }
   std::string note() const override {
@@ -174,18 +200,22 @@ class Expanding : public ThesisSubdivision {
            "divergence and curl that the form does not have";
   }
 
-  const Array<Vec3>& limitPositions() const override { return limitPositions_; }
-  Array<double> limitValues(const Cochain<0>& control, BoundaryMode) const override {
-    return real().ofVertices(limit_.values(steps(control)));
+  const Array<Vec3>& limitPositions(const Context&) const override { return limitPositions_; }
+  Array<double> limitValues(const Cochain<0>& control, BoundaryMode,
+                         const Context& context) const override {
+    return real().ofVertices(limit_.values(steps(control, context), context));
   }
-  Array<Vec3> limitVectors(const Cochain<1>& control, BoundaryMode) const override {
-    return real().ofVertices(limit_.vectors(steps(control), BoundaryMode::Open));
+  Array<Vec3> limitVectors(const Cochain<1>& control, BoundaryMode,
+                         const Context& context) const override {
+    return real().ofVertices(limit_.vectors(steps(control, context), BoundaryMode::Open, context));
   }
-  Array<Vec3> limitVectors(const Cochain<2>& control, BoundaryMode) const override {
-    return real().ofVertices(limit_.vectors(steps(control), BoundaryMode::Open));
+  Array<Vec3> limitVectors(const Cochain<2>& control, BoundaryMode,
+                         const Context& context) const override {
+    return real().ofVertices(limit_.vectors(steps(control, context), BoundaryMode::Open, context));
   }
-  Array<double> limitDensities(const Cochain<3>& control, BoundaryMode) const override {
-    return real().ofVertices(limit_.densities(steps(control)));
+  Array<double> limitDensities(const Cochain<3>& control, BoundaryMode,
+                         const Context& context) const override {
+    return real().ofVertices(limit_.densities(steps(control, context), context));
   }
 
  private:
@@ -198,12 +228,12 @@ class Expanding : public ThesisSubdivision {
   const RealPart& real() const { return parts_.back(); }
 
   template <int K>
-  Cochain<K> steps(const Cochain<K>& control) const {
-    return refiner_.refine(extension_.apply(checked(control)), BoundaryMode::Open);
+  Cochain<K> steps(const Cochain<K>& control, const Context& context) const {
+    return refiner_.refine(extension_.apply(checked(control)), BoundaryMode::Open, context);
   }
   template <int K>
-  Cochain<K> own(const Cochain<K>& control) const {
-    return real().restrict(steps(control));
+  Cochain<K> own(const Cochain<K>& control, const Context& context) const {
+    return real().restrict(steps(control, context));
   }
 
   VirtualLayer layer_;
@@ -224,9 +254,12 @@ const char* methodName(ThesisMethod method) {
 }
 
 std::unique_ptr<Subdivision> subdivideByThesis(const ControlMesh& mesh, ThesisMethod method,
-                                               const RefinerOptions& options) {
-  if (method == ThesisMethod::Expansion) return std::make_unique<Expanding>(mesh, options);
-  return std::make_unique<Shrinking>(mesh, method, options);
+                                               const RefinerOptions& options,
+                                               const Context& context) {
+  if (method == ThesisMethod::Expansion) {
+    return std::make_unique<Expanding>(mesh, options, context);
+  }
+  return std::make_unique<Shrinking>(mesh, method, options, context);
 }
 
 }  // namespace octet

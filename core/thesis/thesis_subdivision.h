@@ -43,6 +43,7 @@ const char* methodName(ThesisMethod method);
 /// @param options  patchTest and boundaryRows are the method's own and not looked at
 /// @throws InputError as Refiner, and for a mesh that cannot be expanded
 std::unique_ptr<Subdivision> subdivideByThesis(const ControlMesh& mesh, ThesisMethod method,
-                                               const RefinerOptions& options = {});
+                                               const RefinerOptions& options = {},
+                                               const Context& context = {});
 
 }  // namespace octet

@@ -48,17 +48,18 @@ Form& targetForm(ControlAsset* asset, const Arguments& arguments) {
 
 /// The form with `w` added to its values or to each of its frames.
 template <int K>
-Form sum(const ControlAsset& asset, const Form& form, const Cochain<K>& w, bool walls) {
+Form sum(const ControlAsset& asset, const Form& form, const Cochain<K>& w, bool walls,
+         const Context& context) {
   const Complex& complex = *asset.mesh.complex();
   std::unique_ptr<ClosedProjection<K>> projection;
   if (walls) {
     projection = std::make_unique<ClosedProjection<K>>(complex, asset.mesh.positions(),
-                                                       onBoundary<K>(complex));
+                                                       onBoundary<K>(complex), context);
   }
   const auto at = [&](int frame) {
     Cochain<K> total = coefficients<K>(asset, form, frame);
     for (Index i = 0; i < total.size(); ++i) total[i] += w[i];
-    return projection ? projection->apply(total, /*fixedToZero=*/true) : total;
+    return projection ? projection->apply(total, /*fixedToZero=*/true, context) : total;
   };
   if (!form.animated()) return makeForm<K>(form.name, at(0), form.unit);
   Form result;
@@ -77,14 +78,16 @@ Form sum(const ControlAsset& asset, const Form& form, const Cochain<K>& w, bool 
 template <int K>
 Json add(const Arguments& arguments, ControlAsset* asset) {
   const Complex& complex = *asset->mesh.complex();
+  const Context context = consoleContext();
+  const double share = 0.7 / static_cast<double>(arguments.primitives.size());
   Cochain<K> w(complex);
   for (const Primitive& primitive : arguments.primitives) {
     const Cochain<K> one =
-        integrate<K>(primitive, complex, asset->mesh.positions(), consoleProgress());
+        integrate<K>(primitive, complex, asset->mesh.positions(), context.sub(share));
     for (Index i = 0; i < w.size(); ++i) w[i] += one[i];
   }
   Form& form = targetForm(asset, arguments);
-  form = sum<K>(*asset, form, w, arguments.walls);
+  form = sum<K>(*asset, form, w, arguments.walls, context);
   Json names = Json::array();
   for (const Primitive& primitive : arguments.primitives) names.push_back(nameOf(primitive));
   const int frame = form.animated() ? form.frames.begin()->first : 0;

@@ -144,8 +144,7 @@ void run(Arguments& arguments) {
   RefinerOptions options;
   options.levels = arguments.level;
   options.zeta = arguments.options.zeta;
-  options.progress = consoleProgress();
-  const Refiner refiner(asset.mesh, options);
+  const Refiner refiner(asset.mesh, options, consoleContext());
   arguments.options.settle = !arguments.asItIs;
   arguments.options.patchTest = !arguments.withoutPatchTest;
   const LocalSubdivision local(refiner, arguments.level, arguments.vertex, arguments.options);

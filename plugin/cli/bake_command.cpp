@@ -203,7 +203,8 @@ void print(const BakeForecast& forecast, const BakeOptions& options) {
 void foresee(const Arguments& arguments) {
   const ControlAsset asset = readAsset(arguments.control);
   const BakeForecast forecast = withFile(
-      arguments.control, [&] { return foreseeBake(asset, arguments.options, arguments.output); });
+      arguments.control, [&] { return foreseeBake(asset, arguments.options, arguments.output, consoleContext());
+      });
   if (arguments.json) {
     printJson(forecast, arguments.options);
   } else {
@@ -216,12 +217,11 @@ void run(Arguments& arguments) {
   BakeOptions& options = arguments.options;
   options.levels = parseLevels(arguments.levels);
   if (arguments.frames) options.frames = parseFrames(*arguments.frames);
-  options.progress = consoleProgress();
   if (arguments.dryRun) return foresee(arguments);
   checkOutput(arguments.control, arguments.output);
   const ControlAsset asset = readAsset(arguments.control);
   const BakeReport report =
-      withFile(arguments.control, [&] { return bake(asset, options, arguments.output); });
+      withFile(arguments.control, [&] { return bake(asset, options, arguments.output, consoleContext()); });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(report, seconds, arguments.json);

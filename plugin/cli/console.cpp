@@ -28,16 +28,16 @@ extern "C" void onInterrupt(int signal) {
 /// One line on the terminal, overwritten as work goes on.
 class ProgressLine {
  public:
-  bool report(const ProgressReport& report) {
+  void report(const ProgressReport& report) {
     using namespace std::chrono;
-    if (interrupt) return false;
+    if (report.stage.empty()) return;
     const auto now = steady_clock::now();
     if (report.stage != stage_) {
       stage_ = report.stage;
       started_ = now;
     }
     const bool finished = report.done == report.total && report.total > 0;
-    if (!finished && now - shown_ < milliseconds(100) && report.done > 0) return true;
+    if (!finished && now - shown_ < milliseconds(100) && report.done > 0) return;
     shown_ = now;
     const double seconds = duration<double>(now - started_).count();
     const double rate = seconds > 0 ? static_cast<double>(report.done) / seconds : 0;
@@ -55,7 +55,6 @@ class ProgressLine {
     std::fflush(stderr);
     lineShown = true;
     if (finished) clearProgress();
-    return true;
   }
 
  private:
@@ -76,12 +75,18 @@ void clearProgress() {
   lineShown = false;
 }
 
-ProgressCallback consoleProgress() {
-  if (!::isatty(STDERR_FILENO)) {
-    return [](const ProgressReport&) { return interrupt == 0; };
+Context consoleContext() {
+  ContextParts parts;
+  parts.stop = [] { return interrupt != 0; };
+  parts.memoryLimit = memoryLimit();
+  if (::isatty(STDERR_FILENO)) {
+    const auto line = std::make_shared<ProgressLine>();
+    parts.progress = [line](const ProgressReport& report) {
+      line->report(report);
+      return true;
+    };
   }
-  const auto line = std::make_shared<ProgressLine>();
-  return [line](const ProgressReport& report) { return line->report(report); };
+  return Context(std::move(parts));
 }
 
 ControlAsset readAsset(const std::string& path) {

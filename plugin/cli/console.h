@@ -5,17 +5,18 @@
 #include <string>
 
 #include <octet/converters/control_asset/control_asset.h>
-#include <octet/core/base/progress.h>
+#include <octet/core/base/context.h>
 
 namespace octet::cli {
 
-/// Progress with rate and time left on stderr, when that is a terminal; cancels on Ctrl-C.
-ProgressCallback consoleProgress();
+/// What a command's long calls are told: progress with rate and time left goes to stderr, when that
+/// is a terminal; Ctrl-C stops them; memory is what this process may use.
+Context consoleContext();
 /// Wipes the progress line, when there is one, before something else is printed.
 void clearProgress();
 
-/// From now on Ctrl-C, or the SIGTERM of a farm, makes the next progress report cancel; a second
-/// one ends the program.
+/// From now on Ctrl-C, or the SIGTERM of a farm, stops the work that polls; a second one
+/// ends the program.
 void watchForInterrupt();
 /// The signal that did; 0 when none.
 int interruptSignal();

@@ -74,7 +74,6 @@ Json fillTetrahedra(const Arguments& arguments, ControlMesh* mesh) {
   options.spacing = arguments.fill.spacing;
   options.sharpAngle = arguments.fill.sharpAngle;
   options.keepTriangles = arguments.keepTriangles;
-  options.progress = arguments.fill.progress;
   TetrahedraReport report;
   std::size_t triangles = 0;
   try {
@@ -82,7 +81,7 @@ Json fillTetrahedra(const Arguments& arguments, ControlMesh* mesh) {
                                         ? boxSurface(boxOf(arguments))
                                         : readSurface(arguments.input, arguments.read);
     triangles = surface.triangles.size();
-    *mesh = fillWithTetrahedra(surface, options, &report);
+    *mesh = fillWithTetrahedra(surface, options, &report, consoleContext());
   } catch (const InputError& e) {
     throw e.file().empty() ? asUserSees(e, arguments.input) : e;
   }
@@ -100,7 +99,7 @@ Json fillInput(const Arguments& arguments, ControlMesh* mesh) {
   const TriangleSurface surface = readSurface(arguments.input, arguments.read);
   FillReport report;
   try {
-    *mesh = fillSurface(surface, arguments.fill, &report);
+    *mesh = fillSurface(surface, arguments.fill, &report, consoleContext());
   } catch (const InputError& e) {
     throw asUserSees(e, arguments.input);
   }
@@ -138,7 +137,6 @@ void checkArguments(const Arguments& arguments) {
 
 void run(Arguments& arguments) {
   checkArguments(arguments);
-  arguments.fill.progress = consoleProgress();
   ControlAsset asset;
   Json summary = {{"output", arguments.output}};
   const auto fill = arguments.cells == Cells::Tetrahedra ? fillTetrahedra

@@ -124,7 +124,6 @@ void printJson(const FitReport& report, BoundaryMode mode, double seconds) {
 void run(Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   FitOptions& options = arguments.options;
-  options.progress = consoleProgress();
   options.kind = arguments.curlFree ? FitKind::CurlFree
                  : arguments.free   ? FitKind::Free
                                     : FitKind::DivergenceFree;
@@ -135,7 +134,8 @@ void run(Arguments& arguments) {
   ControlAsset asset = readAsset(arguments.cage);
   const Guides guides = readAll(arguments);
   if (!arguments.flux.empty()) options.flux = readGivenFlux(arguments.flux, asset.mesh);
-  const FitResult result = Fit(asset.mesh, options).solve(guides);
+  const Context context = consoleContext();
+  const FitResult result = Fit(asset.mesh, options, context.sub(0.5)).solve(guides, context);
   putResult(&asset, arguments, result);
   writeControlAsset(asset, arguments.output);
   const double seconds =

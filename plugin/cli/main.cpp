@@ -6,7 +6,7 @@
 
 #include <tbb/global_control.h>
 
-#include <octet/core/base/error.h>
+#include <octet/core/base/memory_budget.h>
 #include <octet/version.h>
 
 #include "commands.h"
@@ -87,6 +87,8 @@ int main(int argc, char** argv) {
   } catch (const octet::Cancelled&) {
     return fail("cancelled", kInterrupted + octet::cli::interruptSignal());
   } catch (const octet::InputError& e) {
+    return fail(e.what(), kBadInput);
+  } catch (const octet::MemoryError& e) {
     return fail(e.what(), kBadInput);
   } catch (const std::bad_alloc&) {
     return fail("not enough memory", kFailed);

@@ -82,7 +82,7 @@ void parseRange(const std::string& text, PictureOptions* picture) {
   picture->range = std::pair{numbers[0], numbers[1]};
 }
 
-Subject readSubject(Arguments& arguments) {
+Subject readSubject(Arguments& arguments, const Context& context) {
   if (extensionOf(arguments.input) == ".vdb") {
     return vdbSubject(arguments.input, arguments.asset.form);
   }
@@ -100,7 +100,7 @@ Subject readSubject(Arguments& arguments) {
   } else if (const auto range = asset.frameRange()) {
     arguments.asset.frame = range->first;
   }
-  return assetSubject(asset, arguments.asset);
+  return assetSubject(asset, arguments.asset, context);
 }
 
 /// An option that was given where it means nothing is a mistake.
@@ -138,7 +138,6 @@ void setExr(const PictureOptions& picture, SliceExrOptions* exr) {
   exr->height = picture.height;
   exr->quantity = picture.quantity;
   exr->spacing = picture.spacing;
-  exr->progress = picture.progress;
 }
 
 void run(const CLI::App& command, Arguments& arguments) {
@@ -155,14 +154,14 @@ void run(const CLI::App& command, Arguments& arguments) {
     throw InputError("--output", "\"" + arguments.output + "\" ends neither in .png nor in .exr");
   }
   checkUse(command, exr, picture.view);
-  picture.progress = arguments.asset.progress = consoleProgress();
+  const Context context = consoleContext();
   checkOutput(arguments.input, arguments.output);
-  const Subject subject = readSubject(arguments);
+  const Subject subject = readSubject(arguments, context.sub(0.5));
   if (exr && picture.view == PictureView::Slice) {
     setExr(picture, &arguments.exr);
-    writeSliceExr(subject, arguments.exr, arguments.output);
+    writeSliceExr(subject, arguments.exr, arguments.output, context);
   } else {
-    writePicture(subject, picture, arguments.output);
+    writePicture(subject, picture, arguments.output, context);
   }
 }
 

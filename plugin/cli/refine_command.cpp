@@ -63,7 +63,8 @@ void print(const Arguments& arguments, std::int64_t cells, const std::string& no
 #ifdef OCTETVDB_WITH_THESIS
 /// Writes the control mesh with the virtual layer of the expansion method around it, and the forms
 /// continued to it (extension.h). The mesh's own vertices and cells come first, each kind.
-void writeExpanded(const ControlAsset& asset, int frame, const Arguments& arguments) {
+void writeExpanded(const ControlAsset& asset, int frame, const Arguments& arguments,
+                   const Context& context) {
   const VirtualLayer layer(asset.mesh);
   const ControlMesh expanded = ControlMesh::build(layer.expanded);
   const Extension extension(asset.mesh, layer, expanded);
@@ -73,7 +74,7 @@ void writeExpanded(const ControlAsset& asset, int frame, const Arguments& argume
     });
   };
   writeRefinedDocument(asset, {*expanded.complex(), expanded.positions(), values}, arguments.output,
-                       arguments.options.progress);
+                       context);
 }
 
 void checkVirtualLayer(const Arguments& arguments) {
@@ -86,7 +87,7 @@ void checkVirtualLayer(const Arguments& arguments) {
 
 void run(Arguments& arguments) {
   const RefinerOptions& options = arguments.options;
-  arguments.options.progress = consoleProgress();
+  const Context context = consoleContext();
   checkOutput(arguments.control, arguments.output);
 #ifdef OCTETVDB_WITH_THESIS
   checkVirtualLayer(arguments);
@@ -95,16 +96,16 @@ void run(Arguments& arguments) {
   checkSize(*asset.mesh.complex(), options.levels);
   if (arguments.frame) checkFrame(asset, *arguments.frame);
   const int frame = arguments.frame.value_or(0);
-  const auto subdivision = arguments.boundary.subdivide(asset.mesh, options);
+  const auto subdivision = arguments.boundary.subdivide(asset.mesh, options, context.sub(0.7));
 #ifdef OCTETVDB_WITH_THESIS
   if (arguments.virtualLayer) {
-    writeExpanded(asset, frame, arguments);
+    writeExpanded(asset, frame, arguments, context);
     print(arguments, subdivision->finest()->cellCount(), subdivision->note());
     return;
   }
 #endif
   writeRefinedDocument(asset, *subdivision, arguments.boundary, frame, arguments.output,
-                       options.progress);
+                       context);
   print(arguments, subdivision->finest()->cellCount(), subdivision->note());
 }
 

@@ -67,7 +67,6 @@ void printJson(const SampleReport& report, std::uint64_t bytes, double seconds) 
 void run(Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   SampleOptions& options = arguments.options;
-  options.progress = consoleProgress();
   checkOutput(arguments.cage, arguments.output);
   if (arguments.divergenceFree && options.degree != 2) {
     throw InputError("--divergence-free", "is for fluxes, --degree 2");
@@ -79,7 +78,7 @@ void run(Arguments& arguments) {
   ControlAsset asset = readAsset(arguments.cage);
   if (arguments.framesPerSecond > 0) asset.units.framesPerSecond = arguments.framesPerSecond;
   options.read.framesPerSecond = asset.units.framesPerSecond;
-  const SampleReport report = sampleVelocity(&asset, arguments.sources, options);
+  const SampleReport report = sampleVelocity(&asset, arguments.sources, options, consoleContext());
   writeControlAsset(asset, arguments.output);
   const std::uint64_t bytes = std::filesystem::file_size(arguments.output);
   const double seconds =

@@ -40,7 +40,8 @@ void print(const Arguments& arguments, const std::vector<VerifiedGrid>& grids) {
 }
 
 void run(const Arguments& arguments) {
-  const std::vector<VerifiedGrid> grids = verifyVdb(arguments.path, arguments.grid);
+  const std::vector<VerifiedGrid> grids =
+      verifyVdb(arguments.path, arguments.grid, consoleContext());
   print(arguments, grids);
   if (!arguments.maxDivergence) return;
   for (const VerifiedGrid& grid : grids) {

@@ -349,8 +349,9 @@ TEST_F(Conservative, CollocatedFluxesAreSampledWhereThatIsNearer) {
 #ifdef OCTETVDB_WITH_THESIS
 BoundaryChoice byThesis(ThesisMethod method) {
   BoundaryChoice choice;
-  choice.subdivide = [method](const ControlMesh& mesh, const RefinerOptions& options) {
-    return subdivideByThesis(mesh, method, options);
+  choice.subdivide = [method](const ControlMesh& mesh, const RefinerOptions& options,
+                              const Context& context) {
+    return subdivideByThesis(mesh, method, options, context);
   };
   return choice;
 }

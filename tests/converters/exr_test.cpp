@@ -333,12 +333,12 @@ TEST_F(Exr, CancelledAndFailedFilesDoNotAppear) {
   options.stack = 3;
   options.width = options.height = 64;
   int reports = 0;
-  options.progress = [&](const ProgressReport& report) {
+  const auto progress = [&](const ProgressReport& report) {
     EXPECT_LE(report.done, report.total);
     return ++reports < 5;
   };
   std::ofstream(path("cancelled.exr")) << "before";
-  EXPECT_THROW(writeSliceExr(ball(3), options, path("cancelled.exr")), Cancelled);
+  EXPECT_THROW(writeSliceExr(ball(3), options, path("cancelled.exr"), progress), Cancelled);
   EXPECT_EQ(files(), 1u);
   EXPECT_EQ(fs::file_size(path("cancelled.exr")), 6u);
   const auto failing = [](std::size_t) -> std::vector<float> { throw std::bad_alloc(); };

@@ -209,16 +209,16 @@ TEST(FillWithTetrahedra, IsCancelledAtEveryStage) {
   std::vector<std::string> stages;
   TetrahedraOptions options;
   options.spacing = 0.3;
-  options.progress = [&](const ProgressReport& report) {
+  const auto listen = [&](const ProgressReport& report) {
     if (stages.empty() || stages.back() != report.stage) stages.push_back(report.stage);
     return true;
   };
-  fillWithTetrahedra(ball(1), options);
+  fillWithTetrahedra(ball(1), options, nullptr, listen);
   EXPECT_EQ(stages,
             (std::vector<std::string>{"check surface", "remesh surface", "mesh with Gmsh"}));
   for (const std::string& stage : stages) {
-    options.progress = [&](const ProgressReport& report) { return report.stage != stage; };
-    EXPECT_THROW(fillWithTetrahedra(ball(1), options), Cancelled) << stage;
+    const auto stop = [&](const ProgressReport& report) { return report.stage != stage; };
+    EXPECT_THROW(fillWithTetrahedra(ball(1), options, nullptr, stop), Cancelled) << stage;
   }
 }
 

@@ -13,6 +13,7 @@
 #include <octet/converters/picture/canvas.h>
 #include <octet/converters/picture/picture.h>
 #include <octet/core/base/error.h>
+
 #include "tests/support/test_data.h"
 
 namespace octet {
@@ -187,18 +188,18 @@ TEST(Picture, CancelledAtAnyReportLeavesNothing) {
     options.width = 160;
     options.height = 120;
     int total = 0;
-    options.progress = [&](const ProgressReport& report) {
+    const auto count = [&](const ProgressReport& report) {
       EXPECT_LE(report.done, report.total);
       ++total;
       return true;
     };
-    writePicture(box(), options, (folder / "whole.png").string());
+    writePicture(box(), options, (folder / "whole.png").string(), count);
     fs::remove(folder / "whole.png");
     EXPECT_GT(total, 5);
     for (int stop = 1; stop <= total; stop += std::max(1, total / 5)) {
       int left = stop;
-      options.progress = [&](const ProgressReport&) { return --left > 0; };
-      EXPECT_THROW(writePicture(box(), options, (folder / "cut.png").string()), Cancelled);
+      const auto cut = [&](const ProgressReport&) { return --left > 0; };
+      EXPECT_THROW(writePicture(box(), options, (folder / "cut.png").string(), cut), Cancelled);
       EXPECT_TRUE(fs::is_empty(folder));
     }
   }

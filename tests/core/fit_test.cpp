@@ -373,8 +373,8 @@ TEST(Fit, GivesTheSameBytesAtAnyThreadCount) {
 
 TEST(Fit, CanBeCancelled) {
   FitOptions options;
-  options.progress = [](const ProgressReport& report) { return report.stage != "solve"; };
-  EXPECT_THROW(Fit(mesh(unitBox(2, 0, 1)), options).solve(sixRolls()), Cancelled);
+  const auto cancel = [](const ProgressReport& report) { return report.stage != "solve"; };
+  EXPECT_THROW(Fit(mesh(unitBox(2, 0, 1)), options).solve(sixRolls(), cancel), Cancelled);
 }
 
 // ---- parts

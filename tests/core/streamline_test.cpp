@@ -195,8 +195,9 @@ TEST(Placement, DoesNotDependOnThreads) {
 
 TEST(Placement, CanBeCancelled) {
   PlacementOptions options;
-  options.progress = [](const ProgressReport&) { return false; };
-  EXPECT_THROW(placeStreamlines(rotation, {Vec3(0, 0, 0), Vec3(1, 1, 1)}, options), Cancelled);
+  const auto cancel = [](const ProgressReport&) { return false; };
+  EXPECT_THROW(placeStreamlines(rotation, {Vec3(0, 0, 0), Vec3(1, 1, 1)}, options, cancel),
+               Cancelled);
 }
 
 }  // namespace

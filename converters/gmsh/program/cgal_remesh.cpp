@@ -98,10 +98,10 @@ class Remesher {
     for (const Index v : sharp_.corners) isCorner_[Vertex(v)] = true;
   }
 
-  RemeshedSurface run() {
+  RemeshedSurface run(const Context& context) {
     for (int round = 0; round < kRounds; ++round) {
-      reportProgress(options_.progress, {"remesh surface", static_cast<std::size_t>(round),
-                                         static_cast<std::size_t>(kRounds), "rounds"});
+      context.report({"remesh surface", static_cast<std::size_t>(round),
+                      static_cast<std::size_t>(kRounds), "rounds"});
       const auto onSurface = [this](Vertex v) {
         return point(closest_.find(vec(mesh_.point(v))).position);
       };
@@ -175,8 +175,9 @@ TriangleSurface orientedByCgal(const TriangleSurface& surface) {
   throw InputError(place, "the surface is one-sided");
 }
 
-RemeshedSurface remeshByCgal(const TriangleSurface& surface, const RemeshOptions& options) {
-  return Remesher(surface, options).run();
+RemeshedSurface remeshByCgal(const TriangleSurface& surface, const RemeshOptions& options,
+                             const Context& context) {
+  return Remesher(surface, options).run(context);
 }
 
 TriangleSurface withoutSliversByCgal(const TriangleSurface& surface) {

@@ -7,7 +7,8 @@ namespace octet::gmsh_import {
 
 /// What the functions of remesh.h promise, done in this process.
 TriangleSurface orientedByCgal(const TriangleSurface& surface);
-RemeshedSurface remeshByCgal(const TriangleSurface& surface, const RemeshOptions& options);
+RemeshedSurface remeshByCgal(const TriangleSurface& surface, const RemeshOptions& options,
+                             const Context& context);
 TriangleSurface withoutSliversByCgal(const TriangleSurface& surface);
 
 }  // namespace octet::gmsh_import

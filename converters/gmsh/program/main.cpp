@@ -54,11 +54,11 @@ std::string remeshed(const SurfaceRequest& request, Parent* parent) {
   RemeshOptions options;
   options.edgeLength = request.edgeLength;
   options.sharpAngle = request.sharpAngle;
-  options.progress = [&](const ProgressReport& report) {
+  const Context context([&](const ProgressReport& report) {
     parent->send(MessageKind::Progress, pack(WorkDone{report.done, report.total}));
     return true;  // it ends this process to cancel
-  };
-  return pack(remeshByCgal(request.surface, options));
+  });
+  return pack(remeshByCgal(request.surface, options, context));
 }
 
 std::string answer(const Message& message, Parent* parent) {

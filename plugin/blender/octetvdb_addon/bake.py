@@ -78,7 +78,8 @@ def prepare(context, cage):
                                                             **fit_options))
         fluxes = {}
         for frame, gathered in found.items():
-            fluxes[frame], boundary, _ = flow.solve(make_fit, control, gathered, walls)
+            fluxes[frame], boundary, _ = flow.solve(make_fit, control, gathered, walls,
+                                                   progress)
         return octetvdb.bake(make_asset(frames=fluxes), path, boundary=boundary, progress=progress,
                              **options)
     return Job(fit_and_bake), frames

@@ -64,7 +64,7 @@ def gather(context, cage):
     return curves, found
 
 
-def solve(make_fit, control, gathered, walls):
+def solve(make_fit, control, gathered, walls, progress=None):
     """The flow of what `gather` found: fluxes, boundary mode, and the fit's report or None. Needs
     nothing of Blender's.
 
@@ -74,7 +74,7 @@ def solve(make_fit, control, gathered, walls):
     flux, report = np.zeros(control.complex.facet_count), None
     boundary = "walls" if len(walls["closed"]) else "open"
     if curves:
-        result = make_fit().solve(curves)
+        result = make_fit().solve(curves, progress=progress)
         flux, boundary, report = flux + result.flux, result.boundary, result.report
     if found:
         flux += primitives.flux(control, found, walls["closed"], walls["divergence_free"])

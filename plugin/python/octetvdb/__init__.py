@@ -15,13 +15,14 @@ coarse cage of tetrahedra and octahedra and baked to OpenVDB at any resolution.
 Lengths are world units of the asset, indices count from 0, and a simplex's orientation is the order
 of its vertices. Arrays that are called views are read-only, share the library's memory and keep it
 alive. Long calls release the GIL; they can be cancelled from their `progress` callback and by
-Ctrl-C. Errors are octetvdb.InputError, IoError and Cancelled, with `file`, `place` and `reason`.
+Ctrl-C. Errors are octetvdb.InputError, IoError, MemoryError and Cancelled, with `file`, `place` and
+`reason`.
 """
 from ._octetvdb import (BakedFile, BakeReport, CageQuality, Cancelled, Certificate, Complex,
                         ControlAsset, ControlMesh, CurlNoise, Error, Field, Fit, FitReport,
                         FitResult, Form, GridInfo, GuideConflict, GuideCurve, GuideReport,
-                        GuideVector, InputError, IoError, PointSource, Refiner, RigidRotation,
-                        SampledFrame, ThreadLimit, UniformFlow, VerifiedGrid, VortexLine,
+                        GuideVector, InputError, IoError, MemoryError, PointSource, Refiner,
+                        RigidRotation, SampledFrame, ThreadLimit, UniformFlow, VerifiedGrid, VortexLine,
                         VortexRing, __version__, bake, box_cage, cage_quality, fill_surface,
                         fill_tetrahedra, integrate, nearest_closed, read_grid_info,
                         sample_velocity, spaced_points, streamlines, verify)
@@ -31,8 +32,8 @@ from ._preview import preview
 __all__ = ["BakedFile", "BakeReport", "CageQuality", "Cancelled", "Certificate", "Complex",
            "ControlAsset", "ControlMesh", "CurlNoise", "Error", "Field", "Fit", "FitReport",
            "FitResult", "Form", "GridInfo", "GuideConflict", "GuideCurve", "GuideReport",
-           "GuideVector", "InputError", "IoError", "PointSource", "Refiner", "RigidRotation",
-           "SampledFrame", "ThreadLimit", "UniformFlow", "VerifiedGrid", "VortexLine",
+           "GuideVector", "InputError", "IoError", "MemoryError", "PointSource", "Refiner",
+           "RigidRotation", "SampledFrame", "ThreadLimit", "UniformFlow", "VerifiedGrid", "VortexLine",
            "VortexRing", "__version__", "bake", "box_cage", "cage_quality", "fill_surface",
            "fill_tetrahedra", "from_meshio", "integrate", "nearest_closed", "preview",
            "read_grid_info", "sample_velocity", "spaced_points", "streamlines", "to_meshio",

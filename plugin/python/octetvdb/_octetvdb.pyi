@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Types of the compiled module; shapes and units are in its docstrings."""
+import builtins
 from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any
@@ -22,6 +23,7 @@ class Error(Exception):
 
 class InputError(Error, ValueError): ...
 class IoError(Error, OSError): ...
+class MemoryError(Error, builtins.MemoryError): ...
 class Cancelled(Error): ...
 
 class Complex:
@@ -158,17 +160,33 @@ class Refiner:
     def complex(self, level: int | None = ...) -> Complex: ...
     def positions(self, level: int | None = ..., boundary: str = ...) -> _Floats: ...
     def limit_positions(self) -> _Floats: ...
-    def refine(self, degree: int, coefficients: ArrayLike, boundary: str = ...) -> _Floats: ...
+    def refine(
+        self,
+        degree: int,
+        coefficients: ArrayLike,
+        boundary: str = ...,
+        *,
+        progress: _Progress = ...,
+    ) -> _Floats: ...
     def step(
         self, level: int, degree: int, coefficients: ArrayLike, boundary: str
     ) -> _Floats: ...
-    def limit(self, degree: int, coefficients: ArrayLike, boundary: str) -> _Floats: ...
+    def limit(
+        self,
+        degree: int,
+        coefficients: ArrayLike,
+        boundary: str,
+        *,
+        progress: _Progress = ...,
+    ) -> _Floats: ...
     def field(
         self,
         degree: int,
         coefficients: ArrayLike,
         boundary: str = ...,
         reconstruction: str = ...,
+        *,
+        progress: _Progress = ...,
     ) -> Field: ...
 
 class GridInfo:
@@ -437,7 +455,11 @@ class Fit:
         progress: _Progress = ...,
     ) -> None: ...
     def solve(
-        self, curves: Sequence[GuideCurve], vectors: Sequence[GuideVector] = ...
+        self,
+        curves: Sequence[GuideCurve],
+        vectors: Sequence[GuideVector] = ...,
+        *,
+        progress: _Progress = ...,
     ) -> FitResult: ...
 
 class SampledFrame:

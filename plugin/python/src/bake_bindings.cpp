@@ -40,8 +40,8 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                                        {"samples", BakeMethod::Samples}});
   options.frames = frames;
   options.zeta = zeta;
-  options.progress = progressCallback(progress);
-  return withoutGil([&] { return bake(asset, options, path); });
+  const Context context = contextOf(progress);
+  return withoutGil([&] { return bake(asset, options, path, context); });
 }
 
 py::dict metadataOf(const VdbGridInfo& info) {
@@ -138,7 +138,10 @@ progress:       called as progress(stage, done, total, unit); returning False ra
 Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, Cancelled.)");
   module.def(
       "read_grid_info",
-      [](const std::string& path) { return withoutGil([&] { return readVdbInfo(path); }); },
+      [](const std::string& path) {
+        const Context context = contextOf();
+        return withoutGil([&] { return readVdbInfo(path, nullptr, context); });
+      },
       py::arg("path"), "What a .vdb holds, a GridInfo for each grid. Raises InputError.");
 }
 

@@ -46,9 +46,10 @@ std::shared_ptr<ControlMesh> makeFilledCage(const py::object& vertices, const py
   options.fitBoundary = fitBoundary;
   options.sharpAngle = sharpAngle;
   options.allowIntersections = allowIntersections;
-  options.progress = progressCallback(progress);
-  options.fit.progress = options.progress;
-  return withoutGil([&] { return std::make_shared<ControlMesh>(fillSurface(surface, options)); });
+  const Context context = contextOf(progress);
+  return withoutGil([&] {
+    return std::make_shared<ControlMesh>(fillSurface(surface, options, nullptr, context));
+  });
 }
 
 std::shared_ptr<ControlMesh> makeTetrahedra(const py::object& vertices, const py::object& triangles,
@@ -59,9 +60,10 @@ std::shared_ptr<ControlMesh> makeTetrahedra(const py::object& vertices, const py
   options.spacing = spacing;
   options.sharpAngle = sharpAngle;
   options.keepTriangles = keepTriangles;
-  options.progress = progressCallback(progress);
-  return withoutGil(
-      [&] { return std::make_shared<ControlMesh>(fillWithTetrahedra(surface, options)); });
+  const Context context = contextOf(progress);
+  return withoutGil([&] {
+    return std::make_shared<ControlMesh>(fillWithTetrahedra(surface, options, nullptr, context));
+  });
 }
 
 CageQuality qualityOf(const ControlMesh& mesh) {

@@ -44,7 +44,8 @@ operator reads are active. Grids saved as 16-bit floats are measured as such.)")
   module.def(
       "verify",
       [](const std::string& path, const std::string& grid) {
-        return withoutGil([&] { return verifyVdb(path, grid); });
+        const Context context = contextOf();
+        return withoutGil([&] { return verifyVdb(path, grid, context); });
       },
       py::arg("path"), py::arg("grid") = "",
       R"(Measures the vector grids of any .vdb, whoever wrote it; a VerifiedGrid each.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "errors.h"
 
-#include <octet/core/base/error.h>
+#include <octet/core/base/memory_budget.h>
 
 namespace octet::python {
 namespace {
@@ -10,7 +10,7 @@ namespace py = pybind11;
 
 /// Live as long as the interpreter: the translator has no state of its own.
 PyObject *errorType = nullptr, *inputErrorType = nullptr, *ioErrorType = nullptr,
-         *cancelledType = nullptr;
+         *memoryErrorType = nullptr, *cancelledType = nullptr;
 
 PyObject* makeType(py::module_& module, const char* name, const char* doc, const py::tuple& bases) {
   py::dict members;
@@ -43,6 +43,8 @@ void translate(std::exception_ptr pointer) {
     raise(inputErrorType, e);
   } catch (const IoError& e) {
     raise(ioErrorType, e);
+  } catch (const MemoryError& e) {
+    raise(memoryErrorType, e);
   } catch (const Cancelled& e) {
     raise(cancelledType, e);
   } catch (const Error& e) {
@@ -63,6 +65,9 @@ void bindErrors(py::module_& module) {
                py::make_tuple(error, py::handle(PyExc_ValueError)));
   ioErrorType = makeType(module, "IoError", "A file cannot be written: permissions, full disk.",
                          py::make_tuple(error, py::handle(PyExc_OSError)));
+  memoryErrorType =
+      makeType(module, "MemoryError", "Work needs more memory than there is, and how much.",
+               py::make_tuple(error, py::handle(PyExc_MemoryError)));
   cancelledType =
       makeType(module, "Cancelled", "A progress callback returned False.", py::make_tuple(error));
   py::register_local_exception_translator(&translate);
@@ -72,8 +77,10 @@ void useErrors(const py::module_& module) {
   errorType = module.attr("Error").ptr();
   inputErrorType = module.attr("InputError").ptr();
   ioErrorType = module.attr("IoError").ptr();
+  memoryErrorType = module.attr("MemoryError").ptr();
   cancelledType = module.attr("Cancelled").ptr();
-  for (PyObject* type : {errorType, inputErrorType, ioErrorType, cancelledType}) Py_INCREF(type);
+  for (PyObject* type : {errorType, inputErrorType, ioErrorType, memoryErrorType, cancelledType})
+    Py_INCREF(type);
   py::register_local_exception_translator(&translate);
 }
 

@@ -5,9 +5,9 @@
 
 namespace octet::python {
 
-/// Adds the exceptions Error, InputError (also a ValueError), IoError (also an OSError) and
-/// Cancelled to the module, with attributes `file`, `place` and `reason`, and translates the
-/// library's to them.
+/// Adds the exceptions Error, InputError (also a ValueError), IoError (also an OSError),
+/// MemoryError (also Python's) and Cancelled to the module, with attributes `file`, `place` and
+/// `reason`, and translates the library's to them.
 void bindErrors(pybind11::module_& module);
 
 /// Translates the library's exceptions to those of a module that has them.

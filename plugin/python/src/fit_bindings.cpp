@@ -63,16 +63,17 @@ std::shared_ptr<Fit> makeFit(const ControlMesh& mesh, const std::string& kind, b
   options.levels = levels;
   options.spacing = spacing;
   options.zeta = zeta;
-  options.progress = progressCallback(progress);
-  return withoutGil([&] { return std::make_shared<Fit>(mesh, options); });
+  const Context context = contextOf(progress);
+  return withoutGil([&] { return std::make_shared<Fit>(mesh, options, context); });
 }
 
-FitResult solveFit(const Fit& fit, std::vector<GuideCurve> curves,
-                   std::vector<GuideVector> vectors) {
+FitResult solveFit(const Fit& fit, std::vector<GuideCurve> curves, std::vector<GuideVector> vectors,
+                   const py::object& progress) {
   Guides guides;
   guides.curves = std::move(curves);
   guides.vectors = std::move(vectors);
-  return withoutGil([&] { return fit.solve(guides); });
+  const Context context = contextOf(progress);
+  return withoutGil([&] { return fit.solve(guides, context); });
 }
 
 /// A cochain of the result as a view, or None.
@@ -191,8 +192,7 @@ smoothness:   details smaller than this share of the domain's size are smoothed 
 levels:       subdivisions at which the field is compared with guides
 spacing:      of samples along curves, world units; 0: a quarter of the mean edge
 zeta:         free weight of the octahedron's linear rule
-progress:     called as progress(stage, done, total, unit), here and in solve; returning False
-              raises Cancelled
+progress:     called as progress(stage, done, total, unit); returning False raises Cancelled
 Made once per cage and options, solved for any number of sets of guides. Thread safe. Raises
 InputError.)")
       .def(py::init(&makeFit), py::arg("mesh"), py::kw_only(), py::arg("kind") = "divergence-free",
@@ -202,8 +202,10 @@ InputError.)")
            py::arg("spacing") = 0.0, py::arg("zeta") = kDefaultZeta,
            py::arg("progress") = py::none())
       .def("solve", &solveFit, py::arg("curves"), py::arg("vectors") = std::vector<GuideVector>(),
+           py::kw_only(), py::arg("progress") = py::none(),
            R"(The field for GuideCurves and GuideVectors, a FitResult.
 
+progress: called as progress(stage, done, total, unit); returning False raises Cancelled
 Releases the GIL. Raises InputError for guides outside the domain, or without length or speed, and
 when they do not determine the field; Cancelled.)");
 }

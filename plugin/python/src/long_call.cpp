@@ -3,7 +3,7 @@
 
 namespace octet::python {
 
-ProgressCallback progressCallback(const py::object& callable) {
+Context contextOf(const py::object& callable) {
   if (!callable.is_none() && !PyCallable_Check(callable.ptr())) {
     throw py::type_error("progress is not callable");
   }
@@ -11,13 +11,16 @@ ProgressCallback progressCallback(const py::object& callable) {
     const py::gil_scoped_acquire gil;
     delete object;
   });
-  return [kept](const ProgressReport& report) {
+  ContextParts parts;
+  parts.memoryLimit = memoryLimit();
+  parts.progress = [kept](const ProgressReport& report) {
     const py::gil_scoped_acquire gil;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    if (kept->is_none()) return true;
+    if (kept->is_none() || report.stage.empty()) return true;
     const py::object answer = (*kept)(report.stage, report.done, report.total, report.unit);
     return answer.ptr() != Py_False;
   };
+  return Context(std::move(parts));
 }
 
 }  // namespace octet::python

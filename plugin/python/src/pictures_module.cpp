@@ -14,7 +14,7 @@ namespace {
 
 /// The asset, or the .vdb of that name, as a picture's subject.
 Subject subjectOf(const py::object& source, const std::string& form, std::optional<int> levels,
-                  int frame, const ProgressCallback& progress) {
+                  int frame, const Context& context) {
   if (py::isinstance<py::str>(source)) {
     const auto path = source.cast<std::string>();
     return withoutGil([&] { return vdbSubject(path, form); });
@@ -29,8 +29,7 @@ Subject subjectOf(const py::object& source, const std::string& form, std::option
   options.form = form;
   options.levels = levels;
   options.frame = frame;
-  options.progress = progress;
-  return withoutGil([&] { return assetSubject(asset, options); });
+  return withoutGil([&] { return assetSubject(asset, options, context); });
 }
 
 void preview(const py::object& source, const std::string& path, const std::string& form,
@@ -63,9 +62,9 @@ void preview(const py::object& source, const std::string& path, const std::strin
   options.width = width;
   options.height = height;
   options.labels = labels;
-  options.progress = progressCallback(progress);
-  const Subject subject = subjectOf(source, form, levels, frame, options.progress);
-  withoutGil([&] { writePicture(subject, options, path); });
+  const Context context = contextOf(progress);
+  const Subject subject = subjectOf(source, form, levels, frame, context.sub(0.5));
+  withoutGil([&] { writePicture(subject, options, path, context); });
 }
 
 }  // namespace

@@ -26,11 +26,11 @@ T checked(T primitive) {
 
 py::array integrals(const Primitive& primitive, const ControlMesh& mesh, int degree,
                     const py::object& progress) {
-  const ProgressCallback callback = progressCallback(progress);
+  const Context context = contextOf(progress);
   const auto with = [&](auto constant) {
     auto form = withoutGil([&] {
       return integrate<decltype(constant)::value>(primitive, *mesh.complex(), mesh.positions(),
-                                                  callback);
+                                                  context);
     });
     return handOver(std::move(form.values()));
   };

@@ -19,22 +19,21 @@ namespace {
 /// A mesh subdivided by the scheme and, once they are asked for, by other rules.
 class MeshRefiner {
  public:
-  MeshRefiner(std::shared_ptr<ControlMesh> mesh, const RefinerOptions& options)
-      : mesh_(std::move(mesh)), options_(options), scheme_(*mesh_, options) {
-    options_.progress = {};  // of whoever made this
-  }
+  MeshRefiner(std::shared_ptr<ControlMesh> mesh, const RefinerOptions& options,
+              const Context& context)
+      : mesh_(std::move(mesh)), options_(options), scheme_(*mesh_, options, context) {}
 
   const std::shared_ptr<ControlMesh>& mesh() const { return mesh_; }
   const SchemeSubdivision& scheme() const { return scheme_; }
   const Refiner& refiner() const { return scheme_.refiner(); }
   /// Call it without the GIL: another thread may be at it, and need the GIL for its progress.
-  const Limit& limit() const { return scheme_.limit(); }
+  const Limit& limit(const Context& context) const { return scheme_.limit(context); }
   /// Likewise.
-  const Subdivision& by(const BoundaryChoice& choice) const {
+  const Subdivision& by(const BoundaryChoice& choice, const Context& context) const {
     if (choice.mode || choice.name == BoundaryChoice{}.name) return scheme_;
     const std::lock_guard<std::mutex> lock(mutex_);
     auto& subdivision = others_[choice.name];
-    if (!subdivision) subdivision = choice.subdivide(*mesh_, options_);
+    if (!subdivision) subdivision = choice.subdivide(*mesh_, options_, context);
     return *subdivision;
   }
   int level(std::optional<int> asked) const {
@@ -82,18 +81,22 @@ std::shared_ptr<MeshRefiner> makeRefiner(std::shared_ptr<ControlMesh> mesh, int 
   options.levels = levels;
   options.zeta = zeta;
   options.smooth = smooth;
-  options.progress = progressCallback(progress);
-  return withoutGil([&] { return std::make_shared<MeshRefiner>(std::move(mesh), options); });
+  const Context context = contextOf(progress);
+  return withoutGil(
+      [&] { return std::make_shared<MeshRefiner>(std::move(mesh), options, context); });
 }
 
 py::array refine(const MeshRefiner& s, int degree, const py::object& coefficients,
-                 const std::string& boundary) {
+                 const std::string& boundary, const py::object& progress) {
+  const Context context = contextOf(progress);
   return withDegree(degree, [&](auto constant) {
     constexpr int K = decltype(constant)::value;
     const BoundaryChoice choice = boundaryChoice(boundary, true);
     auto form = cochain<K>(coefficients, s.refiner().complex(0));
-    withoutGil(
-        [&] { form = s.by(choice).refine(form, modeFor(choice, s.refiner().complex(0), form)); });
+    withoutGil([&] {
+      const BoundaryMode mode = modeFor(choice, s.refiner().complex(0), form);
+      form = s.by(choice, context.sub(0.3)).refine(form, mode, context);
+    });
     return handOver(std::move(form.values()));
   });
 }
@@ -106,27 +109,30 @@ py::array step(const MeshRefiner& s, int level, int degree, const py::object& co
   }
   return withDegree(degree, [&](auto constant) {
     auto form = cochain<decltype(constant)::value>(coefficients, s.refiner().complex(level));
-    withoutGil([&] { form = s.refiner().step(level, form, mode); });
+    const Context context = contextOf();
+    withoutGil([&] { form = s.refiner().step(level, form, mode, context); });
     return handOver(std::move(form.values()));
   });
 }
 
 py::array limit(const MeshRefiner& s, int degree, const py::object& coefficients,
-                const std::string& boundary) {
+                const std::string& boundary, const py::object& progress) {
   const BoundaryMode mode = knownMode(boundary);
+  const Context context = contextOf(progress);
   return withDegree(degree, [&](auto constant) {
     constexpr int K = decltype(constant)::value;
     const auto form = cochain<K>(coefficients, s.refiner().finest());
     const py::ssize_t n = s.refiner().finest().vertexCount();
     if constexpr (K == 1 || K == 2) {
-      auto vectors = withoutGil([&] { return s.limit().vectors(form, mode); });
+      auto vectors =
+          withoutGil([&] { return s.limit(context.sub(0.3)).vectors(form, mode, context); });
       return handOver(std::move(vectors), {n, 3});
     } else {
       return handOver(withoutGil([&] {
         if constexpr (K == 0) {
-          return s.limit().values(form);
+          return s.limit(context.sub(0.3)).values(form, context);
         } else {
-          return s.limit().densities(form);
+          return s.limit(context.sub(0.3)).densities(form, context);
         }
       }));
     }
@@ -134,7 +140,9 @@ py::array limit(const MeshRefiner& s, int degree, const py::object& coefficients
 }
 
 FieldHandle field(const MeshRefiner& s, int degree, const py::object& coefficients,
-                  const std::string& boundary, const std::string& reconstruction) {
+                  const std::string& boundary, const std::string& reconstruction,
+                  const py::object& progress) {
+  const Context context = contextOf(progress);
   const BoundaryChoice choice = boundaryChoice(boundary, true);
   const Reconstruction how = reconstructionChoice(reconstruction);
   return withDegree(degree, [&](auto constant) {
@@ -142,7 +150,7 @@ FieldHandle field(const MeshRefiner& s, int degree, const py::object& coefficien
     const auto form = cochain<K>(coefficients, s.refiner().complex(0));
     return withoutGil([&] {
       const BoundaryMode mode = modeFor(choice, s.refiner().complex(0), form);
-      return FieldHandle(makeField(s.by(choice), form, mode, how));
+      return FieldHandle(makeField(s.by(choice, context.sub(0.3)), form, mode, how, context));
     });
   });
 }
@@ -188,8 +196,9 @@ with the exterior derivative. Methods may be called from many threads; long ones
             const auto& s = self.cast<const MeshRefiner&>();
             const int k = s.level(level);
             const BoundaryChoice choice = boundaryChoice(boundary, true);
+            const Context context = contextOf();
             const auto& points =
-                withoutGil([&]() -> const auto& { return s.by(choice).positions(k); });
+                withoutGil([&]() -> const auto& { return s.by(choice, context).positions(k); });
             return viewRows(points, 3, self);
           },
           py::arg("level") = py::none(), py::arg("boundary") = "auto",
@@ -199,29 +208,35 @@ with the exterior derivative. Methods may be called from many threads; long ones
           "limit_positions",
           [](const py::object& self) {
             const auto& s = self.cast<const MeshRefiner&>();
-            const auto& points = withoutGil([&]() -> const auto& { return s.limit().positions(); });
+            const Context context = contextOf();
+            const auto& points =
+                withoutGil([&]() -> const auto& { return s.limit(context).positions(); });
             return viewRows(points, 3, self);
           },
           "float64 (vertices, 3): limits of the finest level's vertices, world units. A view.")
       .def("refine", &refine, py::arg("degree"), py::arg("coefficients"),
-           py::arg("boundary") = "auto",
+           py::arg("boundary") = "auto", py::kw_only(), py::arg("progress") = py::none(),
            R"(Coefficients on the finest level from those on the control mesh.
 
 coefficients: float (mesh.complex.count(degree),)
 boundary:     "walls": what is zero at the boundary stays zero; "open": constants are exact there;
               "auto": walls for forms that are zero there; for comparison, the thesis' methods:
               "simple", "projection", "expansion"
+progress:     called as progress(stage, done, total, unit); returning False raises Cancelled
 Returns float64 (complex().count(degree),).)")
       .def("step", &step, py::arg("level"), py::arg("degree"), py::arg("coefficients"),
            py::arg("boundary"),
            "Coefficients on level + 1 from those on a level; boundary is \"walls\" or \"open\".")
       .def("limit", &limit, py::arg("degree"), py::arg("coefficients"), py::arg("boundary"),
+           py::kw_only(), py::arg("progress") = py::none(),
            R"(Limits at the finest level's vertices, of coefficients on the finest level.
 
 Returns float64 (vertices,): values of a 0-form, densities of a 3-form; or float64 (vertices, 3):
-vectors of a 1-form, flux densities of a 2-form. boundary is "walls" or "open".)")
+vectors of a 1-form, flux densities of a 2-form. boundary is "walls" or "open". progress as in
+refine.)")
       .def("field", &field, py::arg("degree"), py::arg("coefficients"),
-           py::arg("boundary") = "auto", py::arg("reconstruction") = "limit",
+           py::arg("boundary") = "auto", py::arg("reconstruction") = "limit", py::kw_only(),
+           py::arg("progress") = py::none(),
            R"(The field of a form given on the control mesh, to be sampled at points.
 
 reconstruction: "limit", smooth and second order; or "whitney", the Whitney form on the finest level)")

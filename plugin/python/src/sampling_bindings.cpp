@@ -53,9 +53,9 @@ py::tuple sample(const ControlAsset& asset, const std::vector<std::string>& path
   options.read.scale = scale;
   options.levels = levels;
   options.zeta = zeta;
-  options.progress = progressCallback(progress);
+  const Context context = contextOf(progress);
   auto result = std::make_shared<ControlAsset>(asset);
-  auto report = withoutGil([&] { return sampleVelocity(result.get(), paths, options); });
+  auto report = withoutGil([&] { return sampleVelocity(result.get(), paths, options, context); });
   return py::make_tuple(result, py::cast(std::move(report.frames)));
 }
 

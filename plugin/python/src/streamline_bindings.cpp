@@ -53,8 +53,9 @@ std::vector<py::array> placeLines(const FieldHandle& handle, int count, double s
   options.lines.longestStep = kLongestStep * diagonal;
   options.lines.longest = kLongest * diagonal;
   options.lines.closing = options.lines.longestStep / 2;
-  options.progress = progressCallback(progress);
-  const auto lines = withoutGil([&] { return placeStreamlines(velocityOf(field), box, options); });
+  const Context context = contextOf(progress);
+  const auto lines =
+      withoutGil([&] { return placeStreamlines(velocityOf(field), box, options, context); });
   std::vector<py::array> result;
   for (const Streamline& line : lines) {
     Array<Vec3> points(line.points.size());

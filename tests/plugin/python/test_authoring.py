@@ -284,10 +284,12 @@ def test_fit_cancels_while_it_solves(cube):
     fit = octetvdb.Fit(cube, progress=progress)
     made = calls[0]
     fit.solve([octetvdb.GuideCurve("good", ring())])
+    assert calls[0] == made  # the constructor's callback is not kept
+    fit.solve([octetvdb.GuideCurve("good", ring())], progress=progress)
     assert calls[0] > made
     stop_at[0] = 0
     with pytest.raises(octetvdb.Cancelled):
-        fit.solve([octetvdb.GuideCurve("good", ring())])
+        fit.solve([octetvdb.GuideCurve("good", ring())], progress=progress)
 
 
 def test_primitives_are_their_fields(cube):

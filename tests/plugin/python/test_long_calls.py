@@ -37,23 +37,23 @@ def test_only_false_cancels(tmp_path, flow_asset, answer):
 
 
 def calls_of_a_bake(asset, folder):
-    count = [0]
-
-    def progress(*report):
-        count[0] += 1
-    octetvdb.bake(asset, os.path.join(folder, "count.vdb"), resolution=24, progress=progress)
+    """How many different reports there are; long steps repeat theirs."""
+    reports = []
+    octetvdb.bake(asset, os.path.join(folder, "count.vdb"), resolution=24,
+                  progress=lambda *report: reports.append(report))
     os.remove(os.path.join(folder, "count.vdb"))
-    return count[0]
+    return 1 + sum(a != b for a, b in zip(reports, reports[1:]))
 
 
 def test_cancelling_at_any_report_leaves_nothing(tmp_path, flow_asset):
     total = calls_of_a_bake(flow_asset, tmp_path)
     assert total >= 3
     for stop_at in range(total):
-        calls = [0]
+        calls, last = [0], [None]
 
         def progress(*report):
-            calls[0] += 1
+            calls[0] += report != last[0]
+            last[0] = report
             return calls[0] <= stop_at
         with pytest.raises(octetvdb.Cancelled):
             octetvdb.bake(flow_asset, str(tmp_path / "a.vdb"), resolution=24, progress=progress)
@@ -69,6 +69,9 @@ def test_what_the_callback_raises_comes_out(tmp_path, flow_asset, error):
         octetvdb.bake(flow_asset, str(tmp_path / "a.vdb"), resolution=8, progress=progress)
     with pytest.raises(error, match="from the callback"):
         octetvdb.Refiner(flow_asset.mesh, 2, progress=progress)
+    refiner = octetvdb.Refiner(flow_asset.mesh, 2)
+    with pytest.raises(error, match="from the callback"):
+        refiner.refine(2, fluxes(flow_asset.mesh), progress=progress)
     assert os.listdir(tmp_path) == []
 
 
