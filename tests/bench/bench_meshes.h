@@ -5,6 +5,7 @@
 #include <octet/core/raster/rasterizer.h>
 #include <octet/core/refine/refiner.h>
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
 
 /// @file
@@ -33,13 +34,6 @@ ControlMesh controlMesh(const std::string& name);
 Size findSize(const std::string& name);
 
 Refiner makeRefiner(const ControlMesh& mesh, int levels);
-
-/// Random coefficients on any level.
-template <int K>
-Cochain<K> randomForm(const Complex& complex) {
-  const auto values = testing::randomValues(complex.count(K), 1);
-  return Cochain<K>(Array<double>(values.begin(), values.end()));
-}
 
 /// A grid of kResolution samples along the box's longest edge, the first one at its corner. Origin
 /// and spacing have few digits, so that sample positions are exact however they are computed.

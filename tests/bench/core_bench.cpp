@@ -31,7 +31,8 @@ struct Scene {
   Scene(const std::string& mesh, const Size& size)
       : refiner(makeRefiner(cachedControlMesh(mesh), size.levels)),
         limit(refiner),
-        field(makeField<2>(refiner, limit, randomForm<2>(refiner.finest()), BoundaryMode::Open)),
+        field(makeField<2>(refiner, limit, testing::randomForm<2>(refiner.finest(), 1),
+                           BoundaryMode::Open)),
         frame(frameOver(field.bounds())) {
     const auto random = testing::randomValues(3 * kPoints, 2);
     const Vec3 centre = (field.bounds().min + field.bounds().max) / 2;
@@ -80,7 +81,7 @@ template <int K>
 void apply(State& state, const std::string& mesh, const Size& size) {
   const Refiner& refiner = scene(mesh, size).refiner;
   const int level = refiner.levels() - 1;
-  const Cochain<K> form = randomForm<K>(refiner.complex(level));
+  const Cochain<K> form = testing::randomForm<K>(refiner.complex(level), 1);
   for (auto _ : state) benchmark::DoNotOptimize(refiner.step(level, form, BoundaryMode::Open));
   setRate(state, "coefficients/s", refiner.finest().count(K));
 }
@@ -88,7 +89,7 @@ void apply(State& state, const std::string& mesh, const Size& size) {
 template <int K>
 void limitVectors(State& state, const std::string& mesh, const Size& size) {
   const Scene& s = scene(mesh, size);
-  const Cochain<K> form = randomForm<K>(s.refiner.finest());
+  const Cochain<K> form = testing::randomForm<K>(s.refiner.finest(), 1);
   for (auto _ : state) benchmark::DoNotOptimize(s.limit.vectors(form, BoundaryMode::Open));
   setRate(state, "vertices/s", s.refiner.finest().vertexCount());
 }

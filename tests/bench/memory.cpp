@@ -24,8 +24,8 @@ void measure(const std::string& name, const std::string& sizeName) {
   const Refiner refiner = makeRefiner(mesh, findSize(sizeName).levels);
   const Limit limit(refiner);
   const auto mode = BoundaryMode::Open;
-  const auto field =
-      makeField<2>(refiner, limit, refiner.refine(randomForm<2>(*mesh.complex()), mode), mode);
+  const auto field = makeField<2>(
+      refiner, limit, refiner.refine(testing::randomForm<2>(*mesh.complex(), 1), mode), mode);
   const Index cells = refiner.finest().cellCount();
   std::printf("memory %s/%s %d cells %.1f bytes/cell\n", name.c_str(), sizeName.c_str(), cells,
               peakBytes() / cells);

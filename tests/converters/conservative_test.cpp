@@ -22,10 +22,13 @@
 #include <octet/core/thesis/thesis_subdivision.h>
 #endif
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
 
 namespace octet {
 namespace {
+
+using testing::randomForm;
 
 namespace fs = std::filesystem;
 
@@ -61,12 +64,6 @@ class Conservative : public ::testing::Test {
   fs::path folder_;
   BakeReport report_;
 };
-
-template <int K>
-Cochain<K> randomForm(const Complex& complex, std::uint32_t seed) {
-  const auto values = testing::randomValues(complex.count(K), seed);
-  return Cochain<K>(Array<double>(values.begin(), values.end()));
-}
 
 /// A mesh with a random closed flow "velocity" and its "potential".
 ControlAsset randomAsset(const ControlMeshInput& input, bool closedWalls, std::uint32_t seed) {

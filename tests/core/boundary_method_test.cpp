@@ -8,10 +8,13 @@
 #include <octet/core/forms/de_rham.h>
 #include <octet/core/thesis/thesis_subdivision.h>
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
 
 namespace octet {
 namespace {
+
+using testing::randomForm;
 
 /// To no method does the mode matter.
 constexpr auto kAnyMode = BoundaryMode::Walls;
@@ -24,14 +27,6 @@ std::unique_ptr<Subdivision> refined(const ControlMesh& mesh, ThesisMethod metho
 std::unique_ptr<Subdivision> refined(const ControlMeshInput& input, ThesisMethod method,
                                      int levels) {
   return refined(ControlMesh::build(input), method, levels);
-}
-
-template <int K>
-Cochain<K> randomForm(const Complex& c, std::uint32_t seed) {
-  Cochain<K> form(c);
-  const auto values = testing::randomValues(form.size(), seed);
-  std::copy(values.begin(), values.end(), form.values().begin());
-  return form;
 }
 
 template <int K>

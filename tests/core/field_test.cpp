@@ -12,23 +12,21 @@
 #include <octet/core/field/whitney.h>
 #include <octet/core/forms/de_rham.h>
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
+#include "tests/support/test_name.h"
 
 namespace octet {
 namespace {
 
 using testing::NamedMesh;
+using testing::randomForm;
+using testing::testName;
 
 Refiner refine(const ControlMeshInput& input, int levels) {
   RefinerOptions options;
   options.levels = levels;
   return Refiner(ControlMesh::build(input), options);
-}
-
-template <int K>
-Cochain<K> randomForm(const Complex& complex, std::uint32_t seed) {
-  const auto values = testing::randomValues(complex.count(K), seed);
-  return Cochain<K>(Array<double>(values.begin(), values.end()));
 }
 
 /// Random points in the bounding box of some positions.
@@ -42,14 +40,6 @@ std::vector<Vec3> randomPoints(const Array<Vec3>& positions, std::size_t count) 
     points.push_back(box.min + ((unit + Vec3::Ones()) / 2).cwiseProduct(box.size()));
   }
   return points;
-}
-
-std::string testName(const ::testing::TestParamInfo<NamedMesh>& info) {
-  std::string name = info.param.name;
-  for (char& c : name) {
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  }
-  return name;
 }
 
 // ---- Whitney forms ------------------------------------------------------------------------------

@@ -12,18 +12,16 @@
 #include <octet/core/hodge/projection.h>
 #include <octet/core/refine/refiner.h>
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
+#include "tests/support/test_name.h"
 
 namespace octet {
 namespace {
 
 using testing::NamedMesh;
-
-template <int K>
-Cochain<K> randomForm(const Complex& complex, std::uint32_t seed) {
-  const auto values = testing::randomValues(complex.count(K), seed);
-  return Cochain<K>(Array<double>(values.begin(), values.end()));
-}
+using testing::randomForm;
+using testing::testName;
 
 template <int K>
 Eigen::Map<const Eigen::VectorXd> vector(const Cochain<K>& form) {
@@ -46,14 +44,6 @@ double volume(const Complex& c, const Array<Vec3>& x) {
   double sum = 0;
   for (Index cell = 0; cell < c.cellCount(); ++cell) sum += std::abs(cellVolume6(c, x, cell)) / 6;
   return sum;
-}
-
-std::string testName(const ::testing::TestParamInfo<NamedMesh>& info) {
-  std::string name = info.param.name;
-  for (char& c : name) {
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  }
-  return name;
 }
 
 class HodgeOn : public ::testing::TestWithParam<NamedMesh> {

@@ -6,12 +6,15 @@
 #include <octet/core/fit/influence.h>
 #include <octet/core/forms/coboundary.h>
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
+#include "tests/support/test_name.h"
 
 namespace octet {
 namespace {
 
 using testing::NamedMesh;
+using testing::testName;
 
 constexpr double kTolerance = 1e-9;
 constexpr Index kMostCells = 12000;
@@ -25,11 +28,12 @@ Refiner refine(const ControlMeshInput& input, int levels, bool smooth = true) {
 
 /// Random coefficients, 0 where `zero` says so.
 template <int K>
-Cochain<K> randomForm(const Complex& complex, const std::vector<std::uint8_t>& zero,
-                      std::uint32_t seed) {
-  Cochain<K> form(complex);
-  const auto values = testing::randomValues(form.size(), seed);
-  for (Index k = 0; k < form.size(); ++k) form[k] = zero[k] ? 0 : values[k];
+Cochain<K> randomFormBut(const Complex& complex, const std::vector<std::uint8_t>& zero,
+                         std::uint32_t seed) {
+  Cochain<K> form = testing::randomForm<K>(complex, seed);
+  for (Index k = 0; k < form.size(); ++k) {
+    if (zero[k]) form[k] = 0;
+  }
   return form;
 }
 
@@ -80,7 +84,7 @@ double worstDifference(const Refiner& refiner, BoundaryMode mode,
   const auto rows = influence.at(points);
   double worst = 0;
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
-    const Cochain<K> form = randomForm<K>(refiner.complex(0), zero, seed);
+    const Cochain<K> form = randomFormBut<K>(refiner.complex(0), zero, seed);
     const VectorField field = makeField(refiner, limit, refiner.refine(form, mode), mode);
     double scale = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -164,8 +168,7 @@ TEST(Influence, OfLinearSubdivisionIsExactToo) {
 TEST(Influence, PullsBackDerivatives) {
   const Refiner refiner = refine(testing::withOctahedra(testing::randomBall(60, 4)), 2);
   const Complex& c = refiner.complex(0);
-  const auto potential =
-      randomForm<1>(c, std::vector<std::uint8_t>(static_cast<std::size_t>(c.edgeCount())), 8);
+  const auto potential = testing::randomForm<1>(c, 8);
   const Cochain<2> flux = d(c, potential);
   std::vector<SparseRow> edges, facets;
   for (Index f = 0; f < refiner.finest().facetCount(); f += 37) {
@@ -185,14 +188,6 @@ std::vector<NamedMesh> meshes() {
   std::vector<NamedMesh> result = testing::allKinds();
   for (NamedMesh& mesh : testing::randomMeshes()) result.push_back(std::move(mesh));
   return result;
-}
-
-std::string testName(const ::testing::TestParamInfo<NamedMesh>& info) {
-  std::string name = info.param.name;
-  for (char& c : name) {
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  }
-  return name;
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, InfluenceOn, ::testing::ValuesIn(meshes()), testName);

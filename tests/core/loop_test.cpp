@@ -87,14 +87,22 @@ class LoopSurface {
   std::vector<Point> limit_;
 };
 
+/// Expects for every point of `some` one of `all` in the same place.
+void expectAmong(const std::vector<Vec3>& some, const std::vector<Vec3>& all) {
+  for (const Vec3& p : some) {
+    double nearest = HUGE_VAL;
+    for (const Vec3& q : all) nearest = std::min(nearest, (q - p).norm());
+    EXPECT_LT(nearest, 1e-6);  // OpenSubdiv computes its masks with floats
+  }
+}
+
 /// Both sets of points are the same, whatever their order.
 void expectSamePoints(const std::vector<Point>& expected, const std::vector<Vec3>& actual) {
   ASSERT_EQ(expected.size(), actual.size());
-  for (const Vec3& p : actual) {
-    double nearest = HUGE_VAL;
-    for (const Point& q : expected) nearest = std::min(nearest, (q.p - p).norm());
-    EXPECT_LT(nearest, 1e-6);  // OpenSubdiv computes its masks with floats
-  }
+  std::vector<Vec3> points;
+  for (const Point& q : expected) points.push_back(q.p);
+  expectAmong(points, actual);
+  expectAmong(actual, points);
 }
 
 void expectLoop(const ControlMeshInput& input) {

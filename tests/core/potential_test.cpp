@@ -14,18 +14,16 @@
 #include <octet/core/hodge/potential.h>
 #include <octet/core/hodge/projection.h>
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
+#include "tests/support/test_name.h"
 
 namespace octet {
 namespace {
 
 using testing::NamedMesh;
-
-template <int K>
-Cochain<K> randomForm(const Complex& complex, std::uint32_t seed) {
-  const auto values = testing::randomValues(complex.count(K), seed);
-  return Cochain<K>(Array<double>(values.begin(), values.end()));
-}
+using testing::randomForm;
+using testing::testName;
 
 template <int K>
 double difference(const Cochain<K>& a, const Cochain<K>& b) {
@@ -41,14 +39,6 @@ Cochain<2> randomFlow(const Complex& c, bool closedWalls, std::uint32_t seed) {
     if (closedWalls && c.edgeOnBoundary(e)) potential[e] = 0;
   }
   return d(c, potential);
-}
-
-std::string testName(const ::testing::TestParamInfo<NamedMesh>& info) {
-  std::string name = info.param.name;
-  for (char& c : name) {
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  }
-  return name;
 }
 
 std::vector<NamedMesh> meshes() {

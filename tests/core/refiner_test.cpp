@@ -10,23 +10,21 @@
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/refine/refiner.h>
 
+#include "tests/support/forms.h"
 #include "tests/support/meshes.h"
+#include "tests/support/test_name.h"
 
 namespace octet {
 namespace {
 
 using testing::allKinds;
 using testing::NamedMesh;
+using testing::randomForm;
 using testing::randomMeshes;
 using testing::randomValues;
+using testing::testName;
 
 constexpr double kExact = 1e-12;
-
-template <int K>
-Cochain<K> randomForm(const Complex& complex, std::uint32_t seed) {
-  const auto values = randomValues(complex.count(K), seed);
-  return Cochain<K>(Array<double>(values.begin(), values.end()));
-}
 
 double largestDifference(const Array<double>& a, const Array<double>& b) {
   EXPECT_EQ(a.size(), b.size());
@@ -264,14 +262,6 @@ TEST_P(AnyMesh, FarFromTheOriginNothingChanges) {
   const auto a = here.refine(form, BoundaryMode::Open).values();
   const auto b = there.refine(form, BoundaryMode::Open).values();
   EXPECT_LE(largestDifference(a, b), 1e-9 * std::max(1.0, maxNorm(a)));
-}
-
-std::string testName(const ::testing::TestParamInfo<NamedMesh>& info) {
-  std::string name = info.param.name;
-  for (char& c : name) {
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  }
-  return name;
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, AnyMesh, ::testing::ValuesIn(meshes()), testName);
