@@ -7,6 +7,7 @@
 #include <cstring>
 #include <istream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <octet/core/base/error.h>
@@ -21,7 +22,9 @@ namespace octet {
 template <typename Events>
 class CborReader {
  public:
-  CborReader(std::istream* in, Events* events) : in_(*in->rdbuf()), events_(*events) {}
+  /// @param kind  what messages call the document: "control asset"
+  CborReader(std::istream* in, Events* events, std::string kind)
+      : in_(*in->rdbuf()), events_(*events), kind_(std::move(kind)) {}
 
   /// Reads the whole stream.
   /// @throws InputError with the number of the byte, counted from 1; what `Events` throws.
@@ -59,6 +62,10 @@ class CborReader {
     throw InputError("byte " + std::to_string(position_ + ahead), reason);
   }
 
+  [[noreturn]] void refuse(const std::string& what) const {
+    fail(what + " are not part of a " + kind_);
+  }
+
   int get() {
     const int c = in_.sbumpc();
     ++position_;
@@ -70,7 +77,7 @@ class CborReader {
   void skipSelfDescription() {
     if (in_.sgetc() != 0xd9) return;
     get();
-    if (get() != 0xd9 || get() != 0xf7) fail("tags are not part of a control asset");
+    if (get() != 0xd9 || get() != 0xf7) refuse("tags");
   }
 
   std::uint64_t bigEndian(int bytes) {
@@ -95,7 +102,7 @@ class CborReader {
         events_.number(-1.0 - static_cast<double>(argument(info)));
         break;
       case 2:
-        fail("byte strings are not part of a control asset");
+        refuse("byte strings");
       case 3: {
         auto characters = textAfter(first);
         events_.string(characters);
@@ -106,7 +113,7 @@ class CborReader {
         open(first >> 5 == 5, info);
         break;
       case 6:
-        fail("tags are not part of a control asset");
+        refuse("tags");
       default:
         simple(info);
     }
@@ -183,7 +190,7 @@ class CborReader {
         break;
       }
       default:
-        fail("is no value that a control asset can have");
+        fail("is no value that a " + kind_ + " can have");
     }
   }
 
@@ -199,6 +206,7 @@ class CborReader {
 
   std::streambuf& in_;
   Events& events_;
+  std::string kind_;
   std::vector<Container> open_;
   std::uint64_t position_ = 0;
 };

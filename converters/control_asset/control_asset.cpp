@@ -14,8 +14,6 @@
 namespace octet {
 namespace {
 
-using Kind = DocumentValue::Kind;
-
 /// Largest value of a form: grids hold 32-bit floats.
 constexpr double kLargestValue = 1e30;
 
@@ -45,7 +43,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
 /// Keys that mean nothing are left alone, unless they look like a slip for one that does.
 void checkKeys(const DocumentValue& object, const std::string& place,
                const std::vector<std::string>& known) {
-  for (const std::string& key : object.keys) {
+  for (const std::string& key : object.as<DocumentObject>()->keys) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     for (const std::string& other : known) {
       if (other.size() > 3 && distance(key, other) <= 2) {
@@ -62,16 +60,21 @@ const DocumentValue& require(const DocumentValue& object, const std::string& pla
   return *value;
 }
 
-const DocumentValue& expect(const DocumentValue& value, const std::string& place, Kind kind,
-                            const char* what) {
-  if (value.kind != kind) throw InputError(place, std::string("is not ") + what);
-  return value;
+template <typename T>
+const T& expect(const DocumentValue& value, const std::string& place, const char* what) {
+  const T* result = value.as<T>();
+  if (!result) throw InputError(place, std::string("is not ") + what);
+  return *result;
+}
+
+const std::string& text(const DocumentValue& value, const std::string& place) {
+  return expect<std::string>(value, place, "a string");
 }
 
 double finiteNumber(const DocumentValue& value, const std::string& place) {
-  expect(value, place, Kind::Number, "a number");
-  if (!std::isfinite(value.number)) throw InputError(place, "is not a finite number");
-  return value.number;
+  const double number = expect<double>(value, place, "a number");
+  if (!std::isfinite(number)) throw InputError(place, "is not a finite number");
+  return number;
 }
 
 std::int64_t integer(double x, const std::string& place) {
@@ -90,27 +93,24 @@ Index index(double x, const std::string& place) {
   return static_cast<Index>(i);
 }
 
-/// A list of numbers; an empty array is one too.
-const std::vector<double>& numberList(const DocumentValue& value, const std::string& place) {
-  expect(value, place, Kind::Table, "an array of numbers");
-  if (!value.flat) throw InputError(place, "is not an array of numbers");
-  for (std::size_t k = 0; k < value.numbers.size(); ++k) {
-    if (!std::isfinite(value.numbers[k])) throw InputError(at(place, k), "is not a finite number");
+const NumberList& numberList(const DocumentValue& value, const std::string& place) {
+  const auto& list = expect<NumberList>(value, place, "an array of numbers");
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    if (!std::isfinite(list[k])) throw InputError(at(place, k), "is not a finite number");
   }
-  return value.numbers;
+  return list;
 }
 
 /// Calls row(k, first, size) for every row of an array of arrays of numbers.
 template <typename Row>
 void visitRows(const DocumentValue& value, const std::string& place, const Row& row) {
-  expect(value, place, Kind::Table, "an array of arrays of numbers");
-  if (value.flat && !value.numbers.empty()) {
-    throw InputError(at(place, 0), "is not an array of numbers");
-  }
+  if (value.isEmptyArray()) return;
+  if (value.as<NumberList>()) throw InputError(at(place, 0), "is not an array of numbers");
+  const auto& table = expect<NumberTable>(value, place, "an array of arrays of numbers");
   std::size_t begin = 0;
-  for (std::size_t k = 0; k < value.rowEnds.size(); ++k) {
-    row(k, value.numbers.data() + begin, value.rowEnds[k] - begin);
-    begin = value.rowEnds[k];
+  for (std::size_t k = 0; k < table.rowEnds.size(); ++k) {
+    row(k, table.numbers.data() + begin, table.rowEnds[k] - begin);
+    begin = table.rowEnds[k];
   }
 }
 
@@ -158,11 +158,11 @@ ControlMeshInput readMesh(const DocumentValue& document) {
 AssetUnits readUnits(const DocumentValue& document) {
   AssetUnits units;
   if (const DocumentValue* up = document.find("up_axis")) {
-    expect(*up, "up_axis", Kind::String, "a string");
-    if (up->text != "Y" && up->text != "Z") {
-      throw InputError("up_axis", "\"" + up->text + "\" is neither \"Y\" nor \"Z\"");
+    const std::string& axis = text(*up, "up_axis");
+    if (axis != "Y" && axis != "Z") {
+      throw InputError("up_axis", "\"" + axis + "\" is neither \"Y\" nor \"Z\"");
     }
-    units.upAxis = up->text[0];
+    units.upAxis = axis[0];
   }
   const auto positive = [&](const char* key, double* out) {
     const DocumentValue* value = document.find(key);
@@ -233,11 +233,10 @@ class SimplexFinder {
 };
 
 Form readForm(const DocumentValue& object, const std::string& place, SimplexFinder* finder) {
-  expect(object, place, Kind::Object, "an object");
+  expect<DocumentObject>(object, place, "an object");
   checkKeys(object, place, {"name", "degree", "unit", "simplices", "values", "frames"});
   Form form;
-  form.name =
-      expect(require(object, place, "name"), place + ".name", Kind::String, "a string").text;
+  form.name = text(require(object, place, "name"), place + ".name");
   if (form.name.empty()) throw InputError(place + ".name", "is empty");
   if (std::any_of(form.name.begin(), form.name.end(), isControlCharacter)) {
     throw InputError(place + ".name", "has a control character, such as a line break");
@@ -248,7 +247,7 @@ Form readForm(const DocumentValue& object, const std::string& place, SimplexFind
   }
   form.degree = static_cast<int>(degree);
   if (const DocumentValue* unit = object.find("unit")) {
-    form.unit = expect(*unit, place + ".unit", Kind::String, "a string").text;
+    form.unit = text(*unit, place + ".unit");
   }
 
   const std::string simplices = place + ".simplices";
@@ -298,17 +297,17 @@ Form readForm(const DocumentValue& object, const std::string& place, SimplexFind
     form.values = readValues(*values, place + ".values");
     return form;
   }
-  expect(*frames, place + ".frames", Kind::Object, "an object");
-  if (frames->keys.empty()) throw InputError(place + ".frames", "is empty");
-  for (std::size_t k = 0; k < frames->keys.size(); ++k) {
-    const std::string& key = frames->keys[k];
+  const auto& byFrame = expect<DocumentObject>(*frames, place + ".frames", "an object");
+  if (byFrame.keys.empty()) throw InputError(place + ".frames", "is empty");
+  for (std::size_t k = 0; k < byFrame.keys.size(); ++k) {
+    const std::string& key = byFrame.keys[k];
     const std::string where = place + ".frames[\"" + key + "\"]";
     int frame = 0;
     const auto [end, status] = std::from_chars(key.data(), key.data() + key.size(), frame);
     if (status != std::errc() || end != key.data() + key.size() || frame < 0 || frame > 9999999) {
       throw InputError(where, "is not named by a frame number");
     }
-    if (!form.frames.emplace(frame, readValues(frames->elements[k], where)).second) {
+    if (!form.frames.emplace(frame, readValues(byFrame.values[k], where)).second) {
       throw InputError(where, "appears twice");
     }
   }
@@ -326,17 +325,16 @@ ControlAsset readDocumentAsAsset(const DocumentValue& document) {
   }
   ControlAsset asset;
   if (const DocumentValue* name = document.find("name")) {
-    asset.name = expect(*name, "name", Kind::String, "a string").text;
+    asset.name = text(*name, "name");
   }
   asset.units = readUnits(document);
   asset.mesh = ControlMesh::build(readMesh(document));
   const DocumentValue* forms = document.find("forms");
-  const bool none = !forms || (forms->kind == Kind::Table && forms->size() == 0);
-  if (none) return asset;
-  expect(*forms, "forms", Kind::Array, "an array of objects");
+  if (!forms || forms->isEmptyArray()) return asset;
+  const auto& list = expect<DocumentArray>(*forms, "forms", "an array of objects");
   SimplexFinder finder(asset.mesh);
-  for (std::size_t k = 0; k < forms->elements.size(); ++k) {
-    asset.forms.push_back(readForm(forms->elements[k], at("forms", k), &finder));
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    asset.forms.push_back(readForm(list[k], at("forms", k), &finder));
     for (std::size_t j = 0; j < k; ++j) {
       if (asset.forms[j].name == asset.forms[k].name) {
         throw InputError(at("forms", k) + ".name",
@@ -389,7 +387,7 @@ std::optional<std::pair<int, int>> ControlAsset::frameRange() const {
 }
 
 ControlAsset readControlAsset(const std::string& path) {
-  const DocumentValue document = readDocument(path);
+  const DocumentValue document = readDocument(path, {"control asset"});
   try {
     ControlAsset asset = readDocumentAsAsset(document);
     if (asset.name.empty()) {

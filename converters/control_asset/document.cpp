@@ -22,8 +22,7 @@ namespace {
 
 /// Deepest nesting of a control asset is 5: forms[0].frames["1"][..], forms[0].simplices[3][..].
 constexpr std::size_t kDeepest = 16;
-/// Most values beside rows of numbers, which take 150 bytes each however short they are in the
-/// file.
+/// Most values beside rows of numbers, which take 88 bytes each however short they are in the file.
 constexpr std::size_t kMostValues = 1000000;
 /// Longest part of a malformed file that a message shows.
 constexpr std::size_t kLongestExcerpt = 200;
@@ -53,50 +52,44 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   DocumentValue root;
 
   /// @param lines  of the text that is parsed; none for CBOR
-  Builder(LineCounter* lines, bool rowLines) : lines_(lines), rowLines_(rowLines) {}
+  Builder(LineCounter* lines, const DocumentKind& kind) : lines_(lines), kind_(kind) {}
 
-  bool null() override { return add(start(DocumentValue::Kind::Null)); }
-  bool boolean(bool x) override {
-    DocumentValue v = start(DocumentValue::Kind::Bool);
-    v.truth = x;
-    return add(std::move(v));
-  }
+  bool null() override { return add(start(nullptr)); }
+  bool boolean(bool x) override { return add(start(x)); }
   bool number_integer(number_integer_t x) override { return number(static_cast<double>(x)); }
   bool number_unsigned(number_unsigned_t x) override { return number(static_cast<double>(x)); }
   bool number_float(number_float_t x, const string_t&) override { return number(x); }
   bool number(double x) {
-    if (!stack_.empty() && stack_.back().kind == DocumentValue::Kind::Table && stack_.back().flat) {
-      stack_.back().numbers.push_back(x);
-      return true;
-    }
-    DocumentValue v = start(DocumentValue::Kind::Number);
-    v.number = x;
-    return add(std::move(v));
+    NumberList* list = stack_.empty() ? nullptr : std::get_if<NumberList>(&stack_.back().data);
+    if (!list) return add(start(x));
+    list->push_back(x);
+    return true;
   }
   bool string(string_t& text) override {
     if (!isUtf8(text)) fail("is not UTF-8");
-    DocumentValue v = start(DocumentValue::Kind::String);
-    v.text = std::move(text);
-    return add(std::move(v));
+    return add(start(std::move(text)));
   }
-  bool binary(binary_t&) override { return fail("binary data is not part of a control asset"); }
+  bool binary(binary_t&) override {
+    return fail("binary data is not part of a " + std::string(kind_.name));
+  }
 
-  bool start_object(std::size_t) override { return open(DocumentValue::Kind::Object); }
+  bool start_object(std::size_t) override { return open(DocumentObject()); }
   bool key(string_t& name) override {
     if (!isUtf8(name)) fail("a key is not UTF-8");
-    stack_.back().keys.push_back(std::move(name));
+    openObject().keys.push_back(std::move(name));
     return true;
   }
   bool end_object() override {
-    std::vector<std::string_view> keys(stack_.back().keys.begin(), stack_.back().keys.end());
+    std::vector<std::string>& names = openObject().keys;
+    std::vector<std::string_view> keys(names.begin(), names.end());
     std::sort(keys.begin(), keys.end());
     const auto twice = std::adjacent_find(keys.begin(), keys.end());
     if (twice == keys.end()) return close();
     const std::string key(*twice);
-    stack_.back().keys.clear();
+    names.clear();
     return fail("key \"" + excerpt(key) + "\" appears twice");
   }
-  bool start_array(std::size_t) override { return open(DocumentValue::Kind::Table); }
+  bool start_array(std::size_t) override { return open(NumberList()); }
   bool end_array() override { return close(); }
 
   bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& e) override {
@@ -119,30 +112,28 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   std::string place() const {
     std::string text;
     for (const DocumentValue& v : stack_) {
-      if (v.kind != DocumentValue::Kind::Object) {
+      if (const auto* object = v.as<DocumentObject>()) {
+        if (!object->keys.empty()) text += (text.empty() ? "" : ".") + excerpt(object->keys.back());
+      } else {
         text += "[" + std::to_string(v.size()) + "]";
-      } else if (!v.keys.empty()) {
-        text += (text.empty() ? "" : ".") + excerpt(v.keys.back());
       }
     }
     return text;
   }
 
-  DocumentValue start(DocumentValue::Kind kind) const {
-    DocumentValue v;
-    v.kind = kind;
-    if (lines_) v.line = lines_->line();
-    return v;
+  DocumentObject& openObject() { return std::get<DocumentObject>(stack_.back().data); }
+
+  DocumentValue start(DocumentValue::Data data) const {
+    return {std::move(data), lines_ ? lines_->line() : 0};
   }
 
   [[noreturn]] bool fail(const std::string& reason) const { throw InputError(place(), reason); }
 
-  bool open(DocumentValue::Kind kind) {
+  bool open(DocumentValue::Data data) {
     if (stack_.size() >= kDeepest) {
       fail("is nested deeper than " + std::to_string(kDeepest) + " levels");
     }
-    stack_.push_back(start(kind));
-    stack_.back().flat = kind == DocumentValue::Kind::Table;
+    stack_.push_back(start(std::move(data)));
     return true;
   }
 
@@ -157,30 +148,36 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
       root = std::move(v);
       return true;
     }
+    if (addRow(v)) return true;
     DocumentValue& parent = stack_.back();
-    if (parent.kind == DocumentValue::Kind::Table) {
-      const bool row = v.kind == DocumentValue::Kind::Table && v.flat;
-      const bool first = parent.numbers.empty() && parent.rowEnds.empty();
-      if (row && (first || !parent.flat)) {
-        parent.flat = false;
-        parent.numbers.insert(parent.numbers.end(), v.numbers.begin(), v.numbers.end());
-        parent.rowEnds.push_back(parent.numbers.size());
-        if (rowLines_) parent.rowLines.push_back(v.line);
-        return true;
-      }
-      if (!first) fail("is of another kind than the entries before");
-      parent.kind = DocumentValue::Kind::Array;
-      parent.flat = false;
+    if (parent.isEmptyArray()) parent.data = DocumentArray();
+    if (parent.as<NumberList>() || parent.as<NumberTable>()) {
+      fail("is of another kind than the entries before");
     }
     if (++values_ > kMostValues) {
-      fail("is more than a control asset can hold: a million texts, objects and lists");
+      fail("is more than a " + std::string(kind_.name) +
+           " can hold: a million texts, objects and lists");
     }
-    parent.elements.push_back(std::move(v));
+    auto* array = std::get_if<DocumentArray>(&parent.data);
+    (array ? *array : openObject().values).push_back(std::move(v));
+    return true;
+  }
+
+  /// Adds a list of numbers to an array that has nothing but such lists.
+  bool addRow(const DocumentValue& v) {
+    const auto* row = v.as<NumberList>();
+    DocumentValue& parent = stack_.back();
+    if (row && parent.isEmptyArray()) parent.data = NumberTable();
+    auto* table = std::get_if<NumberTable>(&parent.data);
+    if (!row || !table) return false;
+    table->numbers.insert(table->numbers.end(), row->begin(), row->end());
+    table->rowEnds.push_back(table->numbers.size());
+    if (kind_.rowLines) table->rowLines.push_back(v.line);
     return true;
   }
 
   LineCounter* lines_;
-  bool rowLines_;
+  const DocumentKind& kind_;
   std::vector<DocumentValue> stack_;
   std::size_t values_ = 0;
 };
@@ -195,15 +192,15 @@ Encoding encodingOf(int firstByte, const std::string& path) {
   throw InputError(path, "", "is neither JSON nor CBOR");
 }
 
-DocumentValue parse(std::istream* in, Encoding encoding, bool rowLines) {
+DocumentValue parse(std::istream* in, Encoding encoding, const DocumentKind& kind) {
   if (encoding == Encoding::Cbor) {
-    Builder builder(nullptr, rowLines);
-    CborReader<Builder>(in, &builder).run();
+    Builder builder(nullptr, kind);
+    CborReader<Builder>(in, &builder, kind.name).run();
     return std::move(builder.root);
   }
   LineCounter lines(in->rdbuf());
   std::istream text(&lines);
-  Builder builder(&lines, rowLines);
+  Builder builder(&lines, kind);
   nlohmann::json::sax_parse(text, &builder);
   // The parser takes a zero byte for the end.
   text.clear();
@@ -216,18 +213,22 @@ DocumentValue parse(std::istream* in, Encoding encoding, bool rowLines) {
 }  // namespace
 
 const DocumentValue* DocumentValue::find(std::string_view key) const {
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (keys[k] == key) return &elements[k];
+  const auto* object = as<DocumentObject>();
+  for (std::size_t k = 0; object && k < object->keys.size(); ++k) {
+    if (object->keys[k] == key) return &object->values[k];
   }
   return nullptr;
 }
 
 std::size_t DocumentValue::size() const {
-  if (kind != Kind::Table) return elements.size();
-  return flat ? numbers.size() : rowEnds.size();
+  if (const auto* list = as<NumberList>()) return list->size();
+  if (const auto* table = as<NumberTable>()) return table->rowEnds.size();
+  if (const auto* array = as<DocumentArray>()) return array->size();
+  if (const auto* object = as<DocumentObject>()) return object->values.size();
+  return 0;
 }
 
-DocumentValue readDocument(const std::string& path, bool rowLines) {
+DocumentValue readDocument(const std::string& path, const DocumentKind& kind) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status)) throw InputError(path, "", "is a folder");
   std::ifstream file(path, std::ios::binary);
@@ -237,7 +238,7 @@ DocumentValue readDocument(const std::string& path, bool rowLines) {
   const Encoding encoding = encodingOf(first, path);
   DocumentValue root;
   try {
-    root = parse(&file, encoding, rowLines);
+    root = parse(&file, encoding, kind);
   } catch (const InputError& e) {
     throw e.inFile(path);
   } catch (const std::bad_alloc&) {
@@ -245,8 +246,9 @@ DocumentValue readDocument(const std::string& path, bool rowLines) {
   } catch (const std::length_error&) {
     throw InputError(path, "", "does not fit into memory");
   }
-  if (root.kind != DocumentValue::Kind::Object) {
-    throw InputError(path, "", "is not a control asset: the document is not an object");
+  if (!root.as<DocumentObject>()) {
+    throw InputError(path, "",
+                     "is not a " + std::string(kind.name) + ": the document is not an object");
   }
   return root;
 }

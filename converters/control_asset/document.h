@@ -1,41 +1,73 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace octet {
 
-/// @brief A value of a JSON or CBOR document, kept compactly: an array of numbers is one flat list,
-/// and an array of such arrays a table with its rows one after the other.
-struct DocumentValue {
-  enum class Kind { Null, Bool, Number, String, Table, Array, Object };
+struct DocumentValue;
 
-  Kind kind = Kind::Null;
-  bool truth = false;
-  double number = 0;
-  std::string text;
-  std::vector<double> numbers;          ///< Table: all rows, one after the other
-  std::vector<std::size_t> rowEnds;     ///< Table: where each row ends; empty for a flat list
-  std::vector<DocumentValue> elements;  ///< Array, and the values of an Object
-  std::vector<std::string> keys;        ///< Object
-  bool flat = false;                    ///< Table: an array of numbers rather than of arrays
-  int line = 0;                         ///< of JSON text where it starts, from 1; 0: unknown
-  std::vector<int> rowLines;            ///< Table: where each row starts, when it was asked for
+using NumberList = std::vector<double>;
 
-  const DocumentValue* find(std::string_view key) const;
-  std::size_t size() const;
+/// An array of arrays of numbers, its rows one after the other.
+struct NumberTable {
+  std::vector<double> numbers;
+  std::vector<std::size_t> rowEnds;  ///< where each row ends in `numbers`
+  std::vector<int> rowLines;         ///< where each row starts, when it was asked for
 };
 
-/// @brief Reads a JSON or CBOR document, whichever the file holds. Nesting is limited, so a hostile
-/// file cannot exhaust the stack, and memory stays in proportion to the file.
-/// @param rowLines  also keep the lines of rows, for files that people write
-/// @throws InputError (file, position, reason) when it cannot be read or is malformed.
-DocumentValue readDocument(const std::string& path, bool rowLines = false);
+/// An array of anything else.
+using DocumentArray = std::vector<DocumentValue>;
+
+struct DocumentObject {
+  std::vector<std::string> keys;
+  std::vector<DocumentValue> values;
+};
+
+/// @brief A value of a JSON or CBOR document, kept compactly; an empty array is a list of numbers.
+struct DocumentValue {
+  using Data = std::variant<std::nullptr_t, bool, double, std::string, NumberList, NumberTable,
+                            DocumentArray, DocumentObject>;
+
+  Data data = nullptr;
+  int line = 0;  ///< of JSON text where it starts, from 1; 0: unknown
+
+  /// The value as one of the kinds; nullptr when it is of another.
+  template <typename T>
+  const T* as() const {
+    return std::get_if<T>(&data);
+  }
+  /// The member of an object; nullptr when there is none, or no object.
+  const DocumentValue* find(std::string_view key) const;
+  /// The member of an object as one of the kinds; nullptr when there is none of it.
+  template <typename T>
+  const T* member(std::string_view key) const {
+    const DocumentValue* value = find(key);
+    return value ? value->as<T>() : nullptr;
+  }
+  /// Entries of an array or object; 0 for all else.
+  std::size_t size() const;
+  /// Is it an array without entries?
+  bool isEmptyArray() const { return as<NumberList>() && size() == 0; }
+};
+
+/// What a reader expects of a document.
+struct DocumentKind {
+  const char* name;       ///< as messages call it: "control asset"
+  bool rowLines = false;  ///< also keep the lines of rows, for files that people write
+};
+
+/// @brief Reads a JSON or CBOR document that is an object, whichever the file holds. Nesting is
+/// limited, so a hostile file cannot exhaust the stack, and memory stays in proportion to the file.
+/// @throws InputError (file, position, reason) when it cannot be read, is malformed or no object.
+DocumentValue readDocument(const std::string& path, const DocumentKind& kind);
 
 /// @brief Writes a document piece by piece, as JSON or as CBOR, without holding it in memory.
 /// Numbers are written so that they read back to the same double.

@@ -214,14 +214,12 @@ class CsvReader {
 // ---- JSON
 // -----------------------------------------------------------------------------------------
 
-using Kind = DocumentValue::Kind;
-
 /// "line 7, curves[0].points[2]"; the line is unknown in CBOR.
 std::string placeAt(int line, const std::string& place) {
   return line > 0 ? lineName(line) + ", " + place : place;
 }
 
-std::string rowPlace(const DocumentValue& table, const std::string& name, std::size_t row) {
+std::string rowPlace(const NumberTable& table, const std::string& name, std::size_t row) {
   return placeAt(table.rowLines[row], name + "[" + std::to_string(row) + "]");
 }
 
@@ -238,7 +236,7 @@ class JsonReader {
   JsonReader(std::string path, double speed) : path_(std::move(path)), speed_(speed) {}
 
   Guides read() {
-    const DocumentValue document = readDocument(path_, /*rowLines=*/true);
+    const DocumentValue document = readDocument(path_, {"guide file", /*rowLines=*/true});
     checkKeys({document, ""}, {"curves", "vectors"});
     visitObjects(document, "curves", [&](const Located& curve) { addCurve(curve); });
     visitObjects(document, "vectors", [&](const Located& vector) { addVector(vector); });
@@ -256,24 +254,21 @@ class JsonReader {
   template <typename Visit>
   void visitObjects(const DocumentValue& document, const std::string& key, const Visit& visit) {
     const DocumentValue* list = document.find(key);
-    if (!list) return;
-    if (list->kind != Kind::Array) {
-      // An empty list is a table of no numbers.
-      if (list->kind == Kind::Table && list->size() == 0) return;
-      fail({*list, key}, "is not a list of objects");
-    }
-    for (std::size_t k = 0; k < list->elements.size(); ++k) {
-      const Located element{list->elements[k], key + "[" + std::to_string(k) + "]"};
-      if (element.value.kind != Kind::Object) fail(element, "is not an object");
+    if (!list || list->isEmptyArray()) return;
+    const auto* elements = list->as<DocumentArray>();
+    if (!elements) fail({*list, key}, "is not a list of objects");
+    for (std::size_t k = 0; k < elements->size(); ++k) {
+      const Located element{(*elements)[k], key + "[" + std::to_string(k) + "]"};
+      if (!element.value.as<DocumentObject>()) fail(element, "is not an object");
       visit(element);
     }
   }
 
   void checkKeys(const Located& object, const std::vector<std::string>& known) const {
-    for (std::size_t k = 0; k < object.value.keys.size(); ++k) {
-      const std::string& key = object.value.keys[k];
-      if (std::find(known.begin(), known.end(), key) == known.end()) {
-        fail(member(object, object.value.elements[k], key), "is not known");
+    const auto& [keys, values] = *object.value.as<DocumentObject>();
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+      if (std::find(known.begin(), known.end(), keys[k]) == known.end()) {
+        fail(member(object, values[k], keys[k]), "is not known");
       }
     }
   }
@@ -285,24 +280,27 @@ class JsonReader {
   std::string name(const Located& object) const {
     const DocumentValue* value = object.value.find("name");
     if (!value) return object.path;
-    if (value->kind != Kind::String) fail(member(object, *value, "name"), "is not text");
-    return value->text;
+    const auto* text = value->as<std::string>();
+    if (!text) fail(member(object, *value, "name"), "is not text");
+    return *text;
   }
 
   double number(const Located& object, const char* key, double otherwise) const {
     const DocumentValue* value = object.value.find(key);
     if (!value) return otherwise;
-    if (value->kind != Kind::Number) fail(member(object, *value, key), "is not a number");
-    return value->number;
+    const auto* number = value->as<double>();
+    if (!number) fail(member(object, *value, key), "is not a number");
+    return *number;
   }
 
   Vec3 vector(const Located& object, const char* key) const {
     const DocumentValue* value = object.value.find(key);
     if (!value) fail(object, std::string("has no ") + key);
-    if (value->kind != Kind::Table || !value->flat || value->numbers.size() != 3) {
+    const auto* list = value->as<NumberList>();
+    if (!list || list->size() != 3) {
       fail(member(object, *value, key), "is not a list of three numbers");
     }
-    return {value->numbers[0], value->numbers[1], value->numbers[2]};
+    return {(*list)[0], (*list)[1], (*list)[2]};
   }
 
   void addCurve(const Located& object) {
@@ -314,10 +312,9 @@ class JsonReader {
     addPoints(object, &curve);
     if (const DocumentValue* speeds = object.value.find("speeds")) {
       if (object.value.find("speed")) fail(object, "has both speed and speeds");
-      if (speeds->kind != Kind::Table || !speeds->flat) {
-        fail(member(object, *speeds, "speeds"), "is not a list of numbers");
-      }
-      curve.speeds.assign(speeds->numbers.begin(), speeds->numbers.end());
+      const auto* list = speeds->as<NumberList>();
+      if (!list) fail(member(object, *speeds, "speeds"), "is not a list of numbers");
+      curve.speeds = *list;
     } else {
       curve.speeds = {number(object, "speed", speed_)};
     }
@@ -325,10 +322,11 @@ class JsonReader {
   }
 
   void addPoints(const Located& object, GuideCurve* curve) const {
-    const DocumentValue* points = object.value.find("points");
-    if (!points) fail(object, "has no points");
-    const Located table = member(object, *points, "points");
-    if (points->kind != Kind::Table || points->flat) fail(table, "is not a list of [x, y, z]");
+    const DocumentValue* value = object.value.find("points");
+    if (!value) fail(object, "has no points");
+    const Located table = member(object, *value, "points");
+    const auto* points = value->as<NumberTable>();
+    if (!points) fail(table, "is not a list of [x, y, z]");
     std::size_t first = 0;
     for (std::size_t k = 0; k < points->rowEnds.size(); ++k) {
       const std::string place = rowPlace(*points, table.path, k);
@@ -368,20 +366,16 @@ Guides readGuides(const std::string& path, double speed) {
 }
 
 std::map<Index, double> readGivenFlux(const std::string& path, const ControlMesh& mesh) {
-  const DocumentValue document = readDocument(path, /*rowLines=*/true);
+  const DocumentValue document = readDocument(path, {"file of given fluxes", /*rowLines=*/true});
   const auto fail = [&](const std::string& place, const std::string& reason) {
     throw InputError(path, place, reason);
   };
-  const DocumentValue* simplices = document.find("simplices");
-  const DocumentValue* values = document.find("values");
-  if (!simplices || simplices->kind != Kind::Table || simplices->flat) {
-    fail("simplices", "is not a list of [a, b, c]");
-  }
-  if (!values || values->kind != Kind::Table || !values->flat) {
-    fail("values", "is not a list of numbers");
-  }
-  if (values->numbers.size() != simplices->rowEnds.size()) {
-    fail("values", std::to_string(values->numbers.size()) + " values for " +
+  const auto* simplices = document.member<NumberTable>("simplices");
+  const auto* values = document.member<NumberList>("values");
+  if (!simplices) fail("simplices", "is not a list of [a, b, c]");
+  if (!values) fail("values", "is not a list of numbers");
+  if (values->size() != simplices->rowEnds.size()) {
+    fail("values", std::to_string(values->size()) + " values for " +
                        std::to_string(simplices->rowEnds.size()) + " simplices");
   }
   const Complex& c = *mesh.complex();
@@ -404,7 +398,7 @@ std::map<Index, double> readGivenFlux(const std::string& path, const ControlMesh
       if (!c.facetOnBoundary(facet.index())) fail(place, "is not on the boundary");
       // The stored facet points out of the first of its cells.
       const double outward = c.facetCells[facet.index()][0].exists() ? 1 : -1;
-      if (!result.emplace(facet.index(), facet.sign() * outward * values->numbers[k]).second) {
+      if (!result.emplace(facet.index(), facet.sign() * outward * (*values)[k]).second) {
         fail(place, "is listed twice");
       }
     } catch (const InputError& e) {
