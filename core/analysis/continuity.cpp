@@ -2,10 +2,10 @@
 #include "continuity.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 
 #include "../forms/coboundary.h"
+#include "dense_algebra.h"
 #include "spectrum.h"
 
 namespace octet {
@@ -13,12 +13,6 @@ namespace {
 
 /// Parts of an eigenform smaller than this, relative to the whole, are rounding.
 constexpr double kNoPart = 1e-6;
-
-/// Orthonormal basis of the span of columns.
-Eigen::MatrixXd span(const Eigen::MatrixXd& columns) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
-}
 
 /// d of all (K-1)-forms of the star: as it is a ball, all closed K-forms.
 template <int K>
@@ -30,7 +24,7 @@ Eigen::MatrixXd closedForms(const Complex& star) {
     const auto image = d(star, unit);
     for (Index k = 0; k < image.size(); ++k) result(k, s) = image[k];
   }
-  return span(result);
+  return orthonormalSpan(result);
 }
 
 /// The directions that a step stretches without turning, as columns, and by how much; where it
@@ -42,7 +36,7 @@ struct Frame {
 
 Frame principalFrame(const LocalSubdivision& local) {
   const Eigen::MatrixXd gradients = local.constants<1>();
-  const Eigen::Matrix3d step = gradients.householderQr().solve(local.matrix<1>() * gradients);
+  const Eigen::Matrix3d step = leastSquares(gradients, local.matrix<1>() * gradients);
   const Eigen::EigenSolver<Eigen::Matrix3d> solver(step);
   Frame frame;
   for (int k = 0; k < 3; ++k) {
@@ -89,7 +83,7 @@ Eigen::Vector3d parts(const Complex& star, const Array<Vec3>& positions,
             rows[k].first.transpose().cast<std::complex<double>>();
         right[static_cast<Eigen::Index>(k)] = rows[k].second;
       }
-      sum += left.colPivHouseholderQr().solve(right).cwiseAbs2();
+      sum += pivotedLeastSquares(left, right).cwiseAbs2();
     }
   }
   return sum;
@@ -113,14 +107,13 @@ Continuity continuity(const LocalSubdivision& local, bool closedOnly) {
 
   const Eigen::MatrixXd within =
       closedOnly ? closedForms<K>(star) : Eigen::MatrixXd::Identity(star.count(K), star.count(K));
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(within.transpose() * matrix * within);
+  const EigenDecomposition eigen = eigenDecomposition(within.transpose() * matrix * within);
   const Eigen::MatrixXcd known = constants.cast<std::complex<double>>();
-  const Eigen::HouseholderQR<Eigen::MatrixXcd> fit(known);
-  for (Eigen::Index k = 0; k < solver.eigenvalues().size(); ++k) {
-    const double size = std::abs(solver.eigenvalues()[k]);
+  for (Eigen::Index k = 0; k < eigen.values.size(); ++k) {
+    const double size = std::abs(eigen.values[k]);
     if (size <= result.growth * result.constants.minCoeff()) continue;  // cannot be the worst
-    Eigen::VectorXcd form = within * solver.eigenvectors().col(k);
-    const Eigen::VectorXcd rest = form - known * fit.solve(form);
+    Eigen::VectorXcd form = within * eigen.vectors.col(k);
+    const Eigen::VectorXcd rest = form - known * leastSquares(known, form);
     if (rest.norm() < kNoPart * form.norm()) continue;  // a constant field
     // Where a constant has the same eigenvalue it may be mixed in.
     if ((result.constants.array() - size).abs().minCoeff() < kSameEigenvalue) form = rest;

@@ -6,14 +6,12 @@
 #pragma GCC diagnostic ignored "-Wuse-after-free"
 #endif
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 
 #include <Spectra/GenEigsSolver.h>
 
 #include "../base/error.h"
+#include "dense_algebra.h"
 
 namespace octet {
 namespace {
@@ -57,10 +55,8 @@ std::vector<Eigenvalue> grouped(Complexes values) {
 }
 
 Complexes eigenvalues(const Eigen::MatrixXd& matrix) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix, false);
-  if (solver.info() != Eigen::Success) throw InputError("", "the eigenvalues do not converge");
-  return Complexes(solver.eigenvalues().data(),
-                   solver.eigenvalues().data() + solver.eigenvalues().size());
+  const Eigen::VectorXcd values = eigenvaluesOf(matrix);
+  return Complexes(values.data(), values.data() + values.size());
 }
 
 Complexes leadingEigenvalues(const Eigen::MatrixXd& matrix) {
@@ -76,30 +72,15 @@ Complexes leadingEigenvalues(const Eigen::MatrixXd& matrix) {
   return Complexes(values.data(), values.data() + found);
 }
 
-/// Orthonormal basis of what a matrix sends to 0; for a defective eigenvalue, whose computed value
-/// is off a little, at least one vector.
-Eigen::MatrixXcd nullSpace(const Eigen::MatrixXcd& matrix) {
-  const Eigen::BDCSVD<Eigen::MatrixXcd> svd(matrix, Eigen::ComputeFullV);
-  const auto& s = svd.singularValues();
-  Eigen::Index dimension = 1;
-  while (dimension < s.size() && s[s.size() - 1 - dimension] < kNull * s[0]) ++dimension;
-  return svd.matrixV().rightCols(dimension);
-}
-
 void findSpaces(const Eigen::MatrixXd& matrix, Eigenvalue* value) {
   Eigen::MatrixXcd shifted = matrix.cast<std::complex<double>>();
   shifted.diagonal().array() -= value->value;
-  value->forms = nullSpace(shifted);
-  value->left = nullSpace(shifted.adjoint()).adjoint();
+  // The computed value of a defective one is off a little: it has one vector all the same.
+  value->forms = nullSpace(shifted, kNull);
+  value->left = nullSpace(shifted.adjoint(), kNull).adjoint();
   const Eigen::MatrixXcd pairing = value->left * value->forms;
   if (value->forms.cols() != value->multiplicity || pairing.rows() != pairing.cols()) return;
-  value->left = pairing.partialPivLu().solve(value->left).eval();
-}
-
-/// Orthonormal basis: the columns' span first, then its complement.
-Eigen::MatrixXd basis(const Eigen::MatrixXd& columns) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.rows());
+  value->left = solveSquare(pairing, value->left);
 }
 
 }  // namespace
@@ -115,19 +96,19 @@ std::vector<Eigenvalue> spectrum(const Eigen::MatrixXd& matrix, bool spaces) {
 
 std::vector<Eigenvalue> quotientSpectrum(const Eigen::MatrixXd& matrix,
                                          const Eigen::MatrixXd& known) {
-  const Eigen::MatrixXd rest = basis(known).rightCols(matrix.rows() - known.cols());
+  const Eigen::MatrixXd rest = orthonormalExtension(known).rightCols(matrix.rows() - known.cols());
   return spectrum(rest.transpose() * matrix * rest, false);
 }
 
 double invarianceDefect(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& columns) {
   const Eigen::MatrixXd image = matrix * columns;
-  const Eigen::MatrixXd best = columns.householderQr().solve(image);
+  const Eigen::MatrixXd best = leastSquares(columns, image);
   return (image - columns * best).norm() / image.norm();
 }
 
 std::vector<Eigenvalue> subspaceSpectrum(const Eigen::MatrixXd& matrix,
                                          const Eigen::MatrixXd& columns) {
-  return grouped(eigenvalues(columns.householderQr().solve(matrix * columns)));
+  return grouped(eigenvalues(leastSquares(columns, matrix * columns)));
 }
 
 }  // namespace octet
