@@ -4,18 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include <octet/core/base/numbers.h>
+
 namespace octet {
 namespace {
 
 /// Angle of view over the picture's height: a long lens, for calm perspective.
-constexpr double kFieldOfView = 26 * M_PI / 180;
+constexpr double kFieldOfView = 26 * kPi / 180;
 
 }  // namespace
 
 View::View(const Camera& camera, char upAxis, const std::vector<Vec3>& points, int width,
            int height, double room)
     : width_(width), height_(height), pixel_(2 * std::tan(kFieldOfView / 2) / height) {
-  const double azimuth = camera.azimuth * M_PI / 180, elevation = camera.elevation * M_PI / 180;
+  const double azimuth = camera.azimuth * kPi / 180, elevation = camera.elevation * kPi / 180;
   const auto turned = [&](double x, double y, double z) {
     return upAxis == 'Y' ? Vec3(x, z, -y) : Vec3(x, y, z);
   };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <octet/core/base/numbers.h>
 #include <octet/core/base/reported_loop.h>
 
 namespace octet {
@@ -86,7 +87,7 @@ float convolve(const Directions& directions, const std::vector<float>& texture,
       const Eigen::Vector2d next = p + side * between;
       if (!directions.at(next, &d)) break;
       p = next;
-      const double weight = 0.5 + 0.5 * std::cos(M_PI * s / reach);
+      const double weight = 0.5 + 0.5 * std::cos(kPi * s / reach);
       sum += weight * value(p);
       weights += weight;
     }

@@ -4,6 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "../base/sort_unique.h"
+#include "dense_algebra.h"
+
 namespace octet {
 namespace {
 
@@ -85,8 +88,7 @@ void LocalSubdivision::cutOut(const Refiner& refiner, int level, Index vertex) {
   for (const Index cell : cells) {
     for (int i = 0; i < c.cellVertexCount(cell); ++i) vertices_.push_back(c.cellVertex(cell, i));
   }
-  std::sort(vertices_.begin(), vertices_.end());
-  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  sortUnique(&vertices_);
   const auto local = [&](Index v) {
     return static_cast<Index>(std::lower_bound(vertices_.begin(), vertices_.end(), v) -
                               vertices_.begin());
@@ -140,7 +142,7 @@ void LocalSubdivision::settle() {
   x = normalised(x, centre_);
   for (int k = 0; k < kMostSettlingSteps; ++k) {
     const Eigen::MatrixXd next = normalised(step * x, centre_);
-    const double left = (next - x * x.householderQr().solve(next)).norm() / next.norm();
+    const double left = (next - x * leastSquares(x, next)).norm() / next.norm();
     x = next;
     if (left < kSettled) break;
   }

@@ -10,13 +10,14 @@
 #include <tbb/parallel_reduce.h>
 
 #include "../base/disjoint_sets.h"
+#include "../base/numbers.h"
 #include "../topology/boundary.h"
 #include "../topology/control_mesh.h"
 
 namespace octet {
 namespace {
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kDegrees = 180 / kPi;
 
 struct Extremes {
   double minDihedral = HUGE_VAL, maxDihedral = -HUGE_VAL;

@@ -8,6 +8,7 @@
 #include <tbb/parallel_sort.h>
 
 #include "../base/disjoint_sets.h"
+#include "../base/numbers.h"
 
 namespace octet {
 namespace {
@@ -26,7 +27,7 @@ struct Side {
 class Finder {
  public:
   Finder(const TriangleSurface& surface, double angle, double leastLength)
-      : s_(surface), leastCosine_(std::cos(angle * M_PI / 180)), leastLength_(leastLength) {}
+      : s_(surface), leastCosine_(std::cos(angle * kPi / 180)), leastLength_(leastLength) {}
 
   SharpEdges run() {
     findEdges();

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "../base/numbers.h"
 #include "../base/reported_loop.h"
+#include "../base/sort_unique.h"
 #include "../rules/smoothing_rules.h"
 
 namespace octet {
@@ -75,11 +77,6 @@ class LinearFit {
   Eigen::Matrix<double, 12, 12> normal_ = Eigen::Matrix<double, 12, 12>::Zero();
   Eigen::Matrix<double, 12, 1> right_ = Eigen::Matrix<double, 12, 1>::Zero();
 };
-
-void sortUnique(std::vector<Index>* list) {
-  std::sort(list->begin(), list->end());
-  list->erase(std::unique(list->begin(), list->end()), list->end());
-}
 
 }  // namespace
 
@@ -382,7 +379,7 @@ Eigen::Matrix3d Limit::tangentialProjection(Index row) const {
     // Tangents of Loop's limit surface.
     Vec3 first = Vec3::Zero(), second = Vec3::Zero();
     for (Index k = 0; k < n; ++k) {
-      const double turn = 2 * 3.14159265358979323846 * k / n;
+      const double turn = 2 * kPi * k / n;
       first += std::cos(turn) * point(begin[k]);
       second += std::sin(turn) * point(begin[k]);
     }

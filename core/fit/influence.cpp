@@ -4,6 +4,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "../base/reported_loop.h"
+#include "../base/sort_unique.h"
 
 namespace octet {
 namespace {
@@ -65,8 +66,7 @@ InfluenceRows Influence<K>::at(const std::vector<Vec3>& points, const Context& c
     vertices.insert(vertices.end(), where[k].vertices.begin(),
                     where[k].vertices.begin() + where[k].count);
   }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sortUnique(&vertices);
   const std::vector<SparseRow> rows = vertexRows(vertices, context);
   tbb::enumerable_thread_specific<RowSum> sums([&] { return RowSum(controlCount_); });
   parallelFor<std::size_t>(

@@ -6,6 +6,7 @@
 
 #include "../base/disjoint_sets.h"
 #include "../base/error.h"
+#include "../base/sort_unique.h"
 
 namespace octet {
 namespace {
@@ -185,8 +186,7 @@ class Builder {
   /// Restricts the involved unknowns to the solutions of the equations that are left.
   void eliminate(const std::vector<std::pair<Expression, double>>& open,
                  std::vector<Index> involved, WallPotential* result) const {
-    std::sort(involved.begin(), involved.end());
-    involved.erase(std::unique(involved.begin(), involved.end()), involved.end());
+    sortUnique(&involved);
     const auto rows = static_cast<Eigen::Index>(open.size());
     const auto columns = static_cast<Eigen::Index>(involved.size());
     Eigen::MatrixXd m = Eigen::MatrixXd::Zero(rows, columns);

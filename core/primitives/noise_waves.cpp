@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
+#include "../base/numbers.h"
+
 namespace octet {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The same numbers with every standard library, unlike its distributions.
 class Uniform {

@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "../base/error.h"
+#include "../base/numbers.h"
 #include "../forms/de_rham.h"
 
 namespace octet {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Ten points integrate to rounding what has its singularities two lengths away: the error falls
 /// like (4 + sqrt(17))^(-20).

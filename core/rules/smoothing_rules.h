@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "../base/numbers.h"
+
 /// @file
 /// The numbers of the smoothing homotopy on any mesh (SCHEME.md section 6) and of the wall surface
 /// (section 8).
@@ -35,8 +37,7 @@ inline constexpr double kBoundaryEdgeWeight = 1.0 / 4;
 
 /// Half of D1's weight on each edge of a smooth boundary vertex of valence n: Loop's scheme.
 inline double loopBeta(int valence) {
-  const double pi = 3.14159265358979323846;
-  const double c = 3.0 / 8 + std::cos(2 * pi / valence) / 4;
+  const double c = 3.0 / 8 + std::cos(2 * kPi / valence) / 4;
   return (5.0 / 8 - c * c) / valence;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "../base/parallel.h"
+#include "../base/sort_unique.h"
 
 namespace octet {
 namespace {
@@ -20,11 +21,6 @@ constexpr int kOverdetermined = 2;
 constexpr double kHardlyTold = 0.05;
 
 constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
-
-void sortUnique(std::vector<Index>* list) {
-  std::sort(list->begin(), list->end());
-  list->erase(std::unique(list->begin(), list->end()), list->end());
-}
 
 Cochain<0> refined(const Refiner& refiner, int level, const Cochain<0>& form) {
   return refiner.step(level, form, BoundaryMode::Walls);

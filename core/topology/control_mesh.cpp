@@ -8,7 +8,9 @@
 #include <tbb/parallel_sort.h>
 
 #include "../base/error.h"
+#include "../base/numbers.h"
 #include "../base/parallel.h"
+#include "../base/sort_unique.h"
 #include "lattice_regions.h"
 #include "overlap.h"
 
@@ -320,7 +322,7 @@ class Builder {
         ++edge.facets;
       }
     }
-    const double flat = std::cos(kCreaseAngle * 3.14159265358979323846 / 180);
+    const double flat = std::cos(kCreaseAngle * kPi / 180);
     for (Index e = 0; e < c_.edgeCount(); ++e) {
       const AtEdge& edge = at[e];
       if (edge.facets == 0) continue;
@@ -363,8 +365,7 @@ class Builder {
       }
     }
     corners_ = std::move(in_.corners);
-    std::sort(corners_.begin(), corners_.end());
-    corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
+    sortUnique(&corners_);
   }
 
   void classifyVertices() {
