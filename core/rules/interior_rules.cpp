@@ -10,10 +10,10 @@
 #include <set>
 #include <tuple>
 
+#include "../base/numbers.h"
+
 namespace octet {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Where leading eigenvalues go, and what the others are held to.
 constexpr double kLeading = 1.0 / 2, kOthers = 3.0 / 10;

@@ -9,12 +9,11 @@
 #include <optional>
 #include <tuple>
 
+#include "../base/numbers.h"
 #include "smoothing_rules.h"
 
 namespace octet {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Where the leading eigenvalues go, and what others are held to: along the wall at its second
 /// harmonic and at higher ones, inside at points of a wall edge and anywhere else.
