@@ -78,6 +78,7 @@ Field<kComponents<K>> makeField(const Refiner& refiner, const Limit& limit, Coch
                                 const Context& context) {
   constexpr int C = kComponents<K>;
   const auto complex = refiner.sharedComplex(refiner.levels());
+  form.checkOn(*complex);
   if (reconstruction == Reconstruction::Whitney) {
     return Field<C>(std::make_shared<Whitney<K>>(complex, refiner.positions(refiner.levels()),
                                                  std::move(form), refiner.zeta()));

@@ -149,6 +149,7 @@ double Limit::valueAt(Index v, const At& at) const {
 }
 
 Array<double> Limit::values(const Cochain<0>& form, const Context& context) const {
+  form.checkOn(c_);
   Array<double> result(c_.vertexCount());
   const auto limitOf = [&](Index v) { result[v] = valueAt(v, [&](Index u) { return form[u]; }); };
   reportedFor<Index>(c_.vertexCount(), limitOf, context, "limit of values", "vertices");
@@ -168,6 +169,7 @@ Array<Vec3> Limit::vectors(const Cochain<2>& form, BoundaryMode mode,
 template <int K>
 Array<Vec3> Limit::vectorsOf(const Cochain<K>& form, BoundaryMode mode,
                              const Context& context) const {
+  form.checkOn(c_);
   const Boundary& boundary = refiner_.boundary(refiner_.levels());
   Array<Vec3> result(c_.vertexCount());
   reportedFor<Index>(
@@ -201,6 +203,7 @@ bool Limit::onClosedWall(Index row, const double* form) const {
 
 template <int K>
 std::vector<std::uint8_t> Limit::closedWalls(const Cochain<K>& form, BoundaryMode mode) const {
+  form.checkOn(c_);
   const Boundary& boundary = refiner_.boundary(refiner_.levels());
   std::vector<std::uint8_t> result(static_cast<std::size_t>(c_.vertexCount()), 0);
   if (mode == BoundaryMode::Open) return result;
@@ -407,6 +410,7 @@ Eigen::Matrix3d Limit::tangentialProjection(Index row) const {
 }
 
 Array<double> Limit::densities(const Cochain<3>& form, const Context& context) const {
+  form.checkOn(c_);
   Array<double> volumes(c_.cellCount());
   parallelFor<Index>(
       c_.cellCount(),

@@ -34,18 +34,21 @@ void coboundary2(const Complex& complex, const double* facets, double* cells) {
 }
 
 Cochain<1> d(const Complex& complex, const Cochain<0>& f) {
+  f.checkOn(complex);
   Cochain<1> result(complex);
   coboundary0(complex, f.data(), result.data());
   return result;
 }
 
 Cochain<2> d(const Complex& complex, const Cochain<1>& w) {
+  w.checkOn(complex);
   Cochain<2> result(complex);
   coboundary1(complex, w.data(), result.data());
   return result;
 }
 
 Cochain<3> d(const Complex& complex, const Cochain<2>& w) {
+  w.checkOn(complex);
   Cochain<3> result(complex);
   coboundary2(complex, w.data(), result.data());
   return result;

@@ -7,6 +7,7 @@ namespace octet {
 
 /// @name Exterior derivative: signed incidence (thesis 3.1.3, SCHEME.md section 2)
 /// d d = 0 holds exactly in exact arithmetic and to rounding in doubles. Thread safe.
+/// @throws InputError for a form that is not of the complex
 /// @{
 Cochain<1> d(const Complex& complex, const Cochain<0>& f);
 Cochain<2> d(const Complex& complex, const Cochain<1>& w);

@@ -39,6 +39,7 @@ template Openness openness(const Complex&, const Cochain<1>&);
 template Openness openness(const Complex&, const Cochain<2>&);
 
 std::vector<BoundaryPiece> boundaryFluxes(const Complex& complex, const Cochain<2>& form) {
+  form.checkOn(complex);
   DisjointSets sets(complex.facetCount());
   std::vector<Index> facetOfEdge(static_cast<std::size_t>(complex.edgeCount()), kNone);
   for (Index f = 0; f < complex.facetCount(); ++f) {
@@ -121,6 +122,7 @@ std::optional<VectorPotential> PotentialSolver::find(const Cochain<2>& form,
 }
 
 std::optional<Cochain<0>> scalarPotential(const Complex& complex, const Cochain<1>& form) {
+  form.checkOn(complex);
   // Edges at each vertex.
   std::vector<std::vector<EdgeRef>> edges(static_cast<std::size_t>(complex.vertexCount()));
   for (Index e = 0; e < complex.edgeCount(); ++e) {

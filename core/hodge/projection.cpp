@@ -77,11 +77,13 @@ template <int K>
 struct ClosedProjection<K>::System {
   System(const Complex& complex, const Array<Vec3>& positions,
          const std::vector<std::uint8_t>& fixed, const Context& context)
-      : derivative(coboundaryMatrix<K>(complex)),
+      : numbering(complex),
+        derivative(coboundaryMatrix<K>(complex)),
         mass(massMatrix<K>(complex, positions)),
         free(complex.count(K), fixed),
         minimum(free.block(mass), free.columns(derivative), context) {}
 
+  Numbering numbering;
   Eigen::SparseMatrix<double> derivative, mass;
   FreeColumns free;
   ConstrainedMinimum minimum;
@@ -102,6 +104,7 @@ template <int K>
 Cochain<K> ClosedProjection<K>::apply(const Cochain<K>& form, bool fixedToZero,
                                       const Context& context) const {
   const System& s = *system_;
+  form.checkOn(static_cast<Index>(s.mass.rows()), s.numbering);
   Cochain<K> result = form;
   if (fixedToZero) s.free.clearOthers(result.data());
   const auto vector = [](const Cochain<K>& x) {

@@ -138,11 +138,7 @@ Cochain<K> Refiner::step(int level, const Cochain<K>& form, BoundaryMode mode,
   const Complex& coarse = complex(level);
   const Complex& fine = complex(level + 1);
   const Level& to = *levels_.at(level + 1);
-  if (form.size() != coarse.count(K)) {
-    throw InputError("", "a form of degree " + std::to_string(K) + " on level " +
-                             std::to_string(level) + " has " + std::to_string(coarse.count(K)) +
-                             " coefficients, not " + std::to_string(form.size()));
-  }
+  form.checkOn(coarse);
   context.poll();
   Cochain<K> result(fine);
   auto loan = scratch_->take(to.smoothing ? result.size() : 0);
@@ -191,6 +187,7 @@ Cochain<K> Refiner::refine(Cochain<K> form, BoundaryMode mode, const Context& co
 
 template <int K>
 BoundaryMode automaticMode(const Complex& control, const Cochain<K>& form) {
+  form.checkOn(control);
   for (Index k = 0; k < form.size(); ++k) {
     if (form[k] == 0) continue;
     if (K == 1 && control.edgeOnBoundary(k)) return BoundaryMode::Open;

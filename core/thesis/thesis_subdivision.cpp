@@ -28,10 +28,8 @@ class ThesisSubdivision : public Subdivision {
  protected:
   template <int K>
   const Cochain<K>& checked(const Cochain<K>& form) const {
-    const Index count = complexes_.front()->count(K);
-    if (form.size() == count) return form;
-    throw InputError("", "a form of degree " + std::to_string(K) + " has " + std::to_string(count) +
-                             " coefficients, not " + std::to_string(form.size()));
+    form.checkOn(*complexes_.front());
+    return form;
   }
 
   const ThesisMethod method_;

@@ -6,8 +6,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <octet/core/field/limit.h>
+#include <octet/core/base/error.h>
+#include <octet/core/field/field.h>
 #include <octet/core/forms/coboundary.h>
+#include <octet/core/hodge/potential.h>
+#include <octet/core/hodge/projection.h>
 #include <octet/core/refine/refiner.h>
 
 #include "tests/support/forms.h"
@@ -238,6 +241,62 @@ TEST_P(AnyMesh, BytesDoNotDependOnThreads) {
     return numbers;
   };
   EXPECT_TRUE(run(1) == run(2));
+}
+
+/// A mesh of its own with the cells of a level, numbered alike.
+ControlMesh copyOf(const Refiner& refiner, int level) {
+  const Complex& c = refiner.complex(level);
+  ControlMeshInput input;
+  input.vertices = refiner.positions(level);
+  input.tets = c.tets;
+  input.octs = c.octs;
+  return ControlMesh::build(input);
+}
+
+TEST(Cochains, OfAnotherMeshOrLevelOfEqualSizeAreRefused) {
+  RefinerOptions options;
+  options.levels = 1;
+  const ControlMesh mesh = ControlMesh::build(testing::creasedBox(1, 0.1, 1));
+  const Refiner refiner(mesh, options);
+  for (const int level : {0, 1}) {
+    SCOPED_TRACE(level);
+    const ControlMesh other = copyOf(refiner, level);
+    const Complex& c = *other.complex();
+    const Refiner stranger(other, options);
+    const Cochain<1> w(refiner.complex(level));
+    const Cochain<2> flux(refiner.complex(level));
+    ASSERT_EQ(w.size(), c.edgeCount());
+    ASSERT_EQ(flux.size(), c.facetCount());
+    EXPECT_THROW(d(c, w), InputError);
+    EXPECT_THROW(automaticMode(c, w), InputError);
+    EXPECT_THROW(stranger.step(0, flux, BoundaryMode::Open), InputError);
+    EXPECT_THROW(stranger.refine(w, BoundaryMode::Open), InputError);
+    EXPECT_THROW(nearestClosed(c, other.positions(), flux), InputError);
+    EXPECT_THROW(scalarPotential(c, w), InputError);
+    EXPECT_THROW(PotentialSolver(c, other.positions()).find(flux), InputError);
+    EXPECT_THROW(boundaryFluxes(c, flux), InputError);
+    EXPECT_THROW((Cochain<1>(c, Array<double>(3, 0.0))), InputError);
+    RefinerOptions unrefined;
+    unrefined.levels = 0;
+    const Refiner same(other, unrefined);
+    const Limit limit(same);
+    EXPECT_THROW(limit.vectors(w, BoundaryMode::Open), InputError);
+    EXPECT_THROW(limit.values(Cochain<0>(refiner.complex(level))), InputError);
+    EXPECT_THROW(limit.densities(Cochain<3>(refiner.complex(level))), InputError);
+    EXPECT_THROW(makeField(same, limit, flux, BoundaryMode::Open, Reconstruction::Whitney),
+                 InputError);
+    EXPECT_NO_THROW(limit.vectors(Cochain<1>(c), BoundaryMode::Open));
+  }
+}
+
+TEST(Cochains, GoFromOneRefinerOfAMeshToAnother) {
+  RefinerOptions options;
+  options.levels = 1;
+  const ControlMesh mesh = ControlMesh::build(testing::creasedBox(1, 0.1, 1));
+  const Refiner one(mesh, options), other(mesh, options);
+  const auto fine = one.refine(Cochain<2>(*mesh.complex()), BoundaryMode::Open);
+  EXPECT_NO_THROW(d(other.finest(), fine));
+  EXPECT_THROW(d(other.complex(0), fine), InputError);
 }
 
 TEST_P(AnyMesh, OneRefinerServesManyFormsAsIfEachHadItsOwn) {

@@ -56,7 +56,7 @@ class MeshRefiner {
 template <int K>
 Cochain<K> cochain(const py::object& object, const Complex& complex) {
   const auto numbers = finiteNumbers(object, "coefficients", complex.count(K));
-  return Cochain<K>(Array<double>(numbers.data(), numbers.data() + numbers.size()));
+  return Cochain<K>(complex, Array<double>(numbers.data(), numbers.data() + numbers.size()));
 }
 
 /// The mode that a choice means for coefficients on the control mesh.
