@@ -4,10 +4,8 @@
 #include <exception>
 #include <iostream>
 
-#include <octet/converters/control_asset/control_asset.h>
-#include <octet/converters/gmsh/gmsh_import.h>
-#include <octet/converters/vdb/bake.h>
-#include <octet/core/field/field.h>
+#include <octet/converters/api.h>
+#include <octet/core/api.h>
 #include <octet/version.h>
 
 int main(int argc, char** argv) {
