@@ -132,7 +132,7 @@ ClosedForm<K> VelocityPlanner::closest(const Cochain<K>& form, const Context& co
   std::vector<std::uint8_t> fixed = onBoundary<K>(c);
   for (Index k = 0; k < form.size(); ++k) fixed[k] = fixed[k] && form[k] == 0;
   const auto projector = solvers_->projector<K>(mesh_, fixed, context);
-  ClosedForm<K> result{projector->projection.apply(form, context), open};
+  ClosedForm<K> result{projector->projection.apply(form, false, context), open};
   Cochain<K> change = result.form;
   for (Index k = 0; k < form.size(); ++k) change[k] -= form[k];
   result.changed = std::sqrt(energy(projector->mass, change) / energy(projector->mass, form));

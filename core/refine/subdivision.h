@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "../base/context.h"
 #include "../forms/cochain.h"
 #include "smoothing.h"
 
@@ -43,13 +44,13 @@ class Subdivision {
   /// @throws InputError for a form of another mesh
   /// @{
   virtual Cochain<0> refine(const Cochain<0>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                            const Context& context = {}) const = 0;
   virtual Cochain<1> refine(const Cochain<1>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                            const Context& context = {}) const = 0;
   virtual Cochain<2> refine(const Cochain<2>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                            const Context& context = {}) const = 0;
   virtual Cochain<3> refine(const Cochain<3>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                            const Context& context = {}) const = 0;
   /// @}
 
   /// @name Limits at the finest level's vertices (see class Limit)
@@ -59,13 +60,13 @@ class Subdivision {
   /// The positions that limits belong to, world units; where there are none the finest level's own.
   virtual const Array<Vec3>& limitPositions(const Context& context = {}) const = 0;
   virtual Array<double> limitValues(const Cochain<0>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                                    const Context& context = {}) const = 0;
   virtual Array<Vec3> limitVectors(const Cochain<1>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                                   const Context& context = {}) const = 0;
   virtual Array<Vec3> limitVectors(const Cochain<2>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                                   const Context& context = {}) const = 0;
   virtual Array<double> limitDensities(const Cochain<3>& control, BoundaryMode mode,
-                             const Context& context = {}) const = 0;
+                                       const Context& context = {}) const = 0;
   /// @}
 };
 
