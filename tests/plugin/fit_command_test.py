@@ -205,7 +205,7 @@ class Fit(unittest.TestCase):
                 ("a.obj", "v 0 0 0\nv 0.5 0 0\nl 1\n", "line 3", "two vertices"),
                 ("a.obj", "v 0 0 0\nv 5 0 0\n\nl 1 2\n", "line 1", "outside"),
                 ("a.obj", "v 0 0 0\n", "no polylines"),
-                ("a.json", "[1]", "not an object"),
+                ("a.json", "[1]", "is not a guide file: the document is not an object"),
                 ("a.json", '{"curves": [{"points": [[0, 0], [1, 0]]}]}', "line 1",
                  "curves[0].points[0]"),
                 ("a.json", '{"curves": [\n{"points": [\n[0,0,0],\n[0,0,0]\n]}]}', "line 4",
