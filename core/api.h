@@ -22,8 +22,8 @@
 #include "topology/control_mesh.h"
 
 /// @ingroup forms
-#include "forms/cochain.h"
 #include "forms/coboundary.h"
+#include "forms/cochain.h"
 #include "forms/de_rham.h"
 #include "forms/with_degree.h"
 
@@ -35,8 +35,8 @@
 /// @ingroup fields
 #include "field/field.h"
 #include "field/limit.h"
-#include "raster/rasterizer.h"
 #include "raster/flux_rasterizer.h"
+#include "raster/rasterizer.h"
 
 /// @ingroup closed
 #include "hodge/potential.h"

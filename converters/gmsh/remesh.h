@@ -44,7 +44,6 @@ RemeshedSurface remesh(const TriangleSurface& surface, const RemeshOptions& opti
 /// edges that run past a vertex turned, by CGAL. No vertex moves. Where that is not possible
 /// triangles stay.
 /// @throws as oriented; Cancelled
-TriangleSurface withoutSlivers(const TriangleSurface& surface,
-                               const Context& context = {});
+TriangleSurface withoutSlivers(const TriangleSurface& surface, const Context& context = {});
 
 }  // namespace octet

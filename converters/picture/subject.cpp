@@ -55,9 +55,9 @@ const Form* chooseForm(const ControlAsset& asset, const std::string& name) {
 template <int K>
 void setField(const ControlAsset& asset, const Form& form, const Subdivision& subdivision,
               const AssetSubjectOptions& options, Subject* subject, const Context& context) {
-  const auto field = makeField(subdivision, coefficients<K>(asset, form, options.frame),
-                               boundaryMode(asset, form, options.boundary), options.reconstruction,
-                               context);
+  const auto field =
+      makeField(subdivision, coefficients<K>(asset, form, options.frame),
+                boundaryMode(asset, form, options.boundary), options.reconstruction, context);
   subject->components = kComponents<K>;
   subject->sample = [field](const Vec3& point, double* value) {
     typename Piece<kComponents<K>>::Value v;

@@ -2,7 +2,6 @@
 #include "bake.h"
 
 #include <algorithm>
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -119,7 +118,8 @@ BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
   for (const auto& [to, frame] : filesOf(choice, path)) {
     PlannedFile file{to, frame, {}};
     for (const Form* form : choice.forms()) {
-      file.grids.push_back(planner.plan(planner.find(*form, choice.gridName(*form), frame, context)));
+      file.grids.push_back(
+          planner.plan(planner.find(*form, choice.gridName(*form), frame, context)));
     }
     forecast.files.push_back(std::move(file));
   }

@@ -31,7 +31,8 @@ MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta, const Context& con
 }
 
 RefinementFacts describe(const Subdivision& subdivision, double fineEdge) {
-  return {fineEdge, subdivision.hasLimits(), subdivision.commutes(), subdivision.note()};
+  return {fineEdge, subdivision.hasLimits(), subdivision.commutes(), subdivision.note(),
+          subdivision.boundaryRule()};
 }
 
 ControlForms::ControlForms(const ControlAsset& asset, const BakeOptions& options)

@@ -140,6 +140,7 @@ BakePlan planBake(const FormFacts& form, const BakeOptions& options, const BakeF
   plan.turn = {facts.upAxis, target.upAxis ? target.upAxis : facts.upAxis};
   if (target.voxelCornered) plan.shift = Vec3::Constant(-facts.resolution.voxelSize / 2);
   plan.mode = form.mode;
+  plan.boundaryRule = facts.refinement.boundaryRule;
   if (!limitFields(options, facts.refinement)) plan.reconstruction = Reconstruction::Whitney;
   if (!isVector(form.degree)) return plan;
   if (!facts.refinement.methodLoses.empty()) {

@@ -43,7 +43,8 @@ struct RefinementFacts {
   double fineEdge = 0;    ///< mean edge of the finest level
   bool hasLimits = true;  ///< else fields are Whitney forms
   bool commutes = true;   ///< with d, so that a refined potential's derivative is the refined form
-  std::string methodLoses;  ///< what the boundary method does not keep; empty: nothing
+  std::string methodLoses;     ///< what the boundary method does not keep; empty: nothing
+  std::string boundaryRule{};  ///< name of its own rule for the boundary, if it has one
 };
 
 /// What is known before forms are planned.
@@ -77,6 +78,7 @@ struct BakePlan {
   AxisTurn turn;              ///< from the asset's axes to the target's
   Vec3 shift = Vec3::Zero();  ///< of the grid's transform against its samples
   BoundaryMode mode = BoundaryMode::Walls;
+  std::string boundaryRule{};  ///< of the subdivision, in place of a mode
   Reconstruction reconstruction = Reconstruction::Limit;
   GridMethod method = GridMethod::None;
   Sampling sampling = Sampling::Collocated;

@@ -22,8 +22,8 @@ RefinementFacts FormBaker::facts() const {
   return describe(*refinement_, meanEdge(finest(), refinement_->limitPositions()));
 }
 
-VdbGridInfo FormBaker::execute(const BakePlan& plan, const ControlForm& control,
-                               VdbFile* file, const Context& context) const {
+VdbGridInfo FormBaker::execute(const BakePlan& plan, const ControlForm& control, VdbFile* file,
+                               const Context& context) const {
   switch (plan.method) {
     case GridMethod::Circulations:
       return addCirculations(plan, control, file, context);
@@ -39,12 +39,11 @@ VdbGridInfo FormBaker::execute(const BakePlan& plan, const ControlForm& control,
 }
 
 template <int K>
-VdbGridInfo FormBaker::addSamples(const BakePlan& plan, const ControlForm& control,
-                                  VdbFile* file, const Context& context) const {
-  const auto field = makeField(*refinement_, control.as<K>(), plan.mode, plan.reconstruction,
-                               context.sub(0.2));
-  return file->add(turnedField(field, refinement_->finest(), plan.turn), gridSpec(plan),
-                   context);
+VdbGridInfo FormBaker::addSamples(const BakePlan& plan, const ControlForm& control, VdbFile* file,
+                                  const Context& context) const {
+  const auto field =
+      makeField(*refinement_, control.as<K>(), plan.mode, plan.reconstruction, context.sub(0.2));
+  return file->add(turnedField(field, refinement_->finest(), plan.turn), gridSpec(plan), context);
 }
 
 /// A flux is baked from its vector potential: by commutation the refined potential's derivative is
@@ -52,8 +51,9 @@ VdbGridInfo FormBaker::addSamples(const BakePlan& plan, const ControlForm& contr
 VdbGridInfo FormBaker::addCirculations(const BakePlan& plan, const ControlForm& control,
                                        VdbFile* file, const Context& context) const {
   const auto& potential = std::get<Cochain<1>>(control.potential);
-  const Array<Vec3> vectors = plan.turn(refinement_->limitVectors(control.as<2>(), plan.mode, context.sub(0.1)));
-  const bool walls = plan.mode == BoundaryMode::Walls && refinement_->boundaryRule().empty();
+  const Array<Vec3> vectors =
+      plan.turn(refinement_->limitVectors(control.as<2>(), plan.mode, context.sub(0.1)));
+  const bool walls = plan.mode == BoundaryMode::Walls && plan.boundaryRule.empty();
   PotentialField field(refinement_->finest(),
                        plan.turn(refinement_->positions(plan.resolution.levels)),
                        refinement_->refine(potential, plan.mode, context.sub(0.1)), vectors, walls);
@@ -71,9 +71,10 @@ VdbGridInfo FormBaker::addDifferences(const BakePlan& plan, const ControlForm& c
                                       VdbFile* file, const Context& context) const {
   const auto& potential = std::get<Cochain<0>>(control.potential);
   const auto finest = refinement_->finest();
-  const GradientField field = makeGradientField(
-      finest, refinement_->limitPositions(), refinement_->limitValues(potential, plan.mode, context.sub(0.1)),
-      refinement_->limitVectors(control.as<1>(), plan.mode, context.sub(0.1)));
+  const GradientField field =
+      makeGradientField(finest, refinement_->limitPositions(),
+                        refinement_->limitValues(potential, plan.mode, context.sub(0.1)),
+                        refinement_->limitVectors(control.as<1>(), plan.mode, context.sub(0.1)));
   const GradientField turned{turnedField(field.base, finest, plan.turn),
                              turnedField(field.vectors, finest, plan.turn)};
   return file->add(turned, gridSpec(plan), context);
@@ -97,7 +98,7 @@ VdbGridSpec FormBaker::gridSpec(const BakePlan& plan) const {
                    {"octet_derivative", static_cast<std::int32_t>(options_.derivative)},
                    {"octet_unit", plan.unit},
                    {"octet_levels", static_cast<std::int32_t>(plan.resolution.levels)},
-                   {"octet_boundary", boundaryWord(refinement_->boundaryRule(), plan.mode)},
+                   {"octet_boundary", boundaryWord(plan.boundaryRule, plan.mode)},
                    {"octet_reconstruction", std::string(limit ? "limit" : "whitney")}};
   return spec;
 }

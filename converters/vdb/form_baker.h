@@ -29,8 +29,8 @@ class FormBaker {
   template <int K>
   VdbGridInfo addSamples(const BakePlan& plan, const ControlForm& control, VdbFile* file,
                          const Context& context) const;
-  VdbGridInfo addCirculations(const BakePlan& plan, const ControlForm& control,
-                              VdbFile* file, const Context& context) const;
+  VdbGridInfo addCirculations(const BakePlan& plan, const ControlForm& control, VdbFile* file,
+                              const Context& context) const;
   VdbGridInfo addDifferences(const BakePlan& plan, const ControlForm& control, VdbFile* file,
                              const Context& context) const;
   VdbGridSpec gridSpec(const BakePlan& plan) const;

@@ -197,7 +197,7 @@ void label(const VdbGridSpec& spec, openvdb::GridBase* grid) {
 /// Labels a vector grid, with how it was made and its certificate.
 /// @param sampled  how many voxels hold samples, where others hold values of the method
 VdbGridInfo finish(const VdbGridSpec& spec, GridMethod method, std::uint64_t sampled,
-                   openvdb::Vec3SGrid* grid) {
+                   const Context& context, openvdb::Vec3SGrid* grid) {
   label(spec, grid);
   grid->setVectorType(spec.vectorType == VdbGridSpec::VectorType::Covariant
                           ? openvdb::VEC_COVARIANT
@@ -207,7 +207,7 @@ VdbGridInfo finish(const VdbGridSpec& spec, GridMethod method, std::uint64_t sam
                      {"octet_method", std::string(methodName(method))},
                      {"octet_sampled_voxels", static_cast<double>(sampled)}});
   if (!spec.reasons.empty()) addMetadata(grid, {{"octet_note", words(spec.reasons)}});
-  const Certificate certificate = measureGrid(*grid);
+  const Certificate certificate = measureGrid(*grid, context);
   addMetadata(grid, toMetadata(certificate));
   VdbGridInfo info = describe(*grid);
   measureRange<openvdb::Vec3SGrid>(*grid, context, &info);
@@ -237,7 +237,7 @@ VdbGridInfo VdbFile::add(const VectorField& field, const VdbGridSpec& spec,
       },
       spec);
   grids_->list.push_back(grid);
-  return finish(spec, GridMethod::Samples, grid->activeVoxelCount(), grid.get());
+  return finish(spec, GridMethod::Samples, grid->activeVoxelCount(), context, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
@@ -248,7 +248,7 @@ VdbGridInfo VdbFile::add(const PotentialField& field, const VdbGridSpec& spec,
       },
       spec);
   grids_->list.push_back(grid);
-  return finish(spec, GridMethod::Circulations, 0, grid.get());
+  return finish(spec, GridMethod::Circulations, 0, context, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const MeanFluxField& field, const VdbGridSpec& spec,
@@ -267,7 +267,7 @@ VdbGridInfo VdbFile::add(const MeanFluxField& field, const VdbGridSpec& spec,
       spec, grid.get());
   grids_->list.push_back(grid);
   return finish(spec, replaced ? GridMethod::Circulations : GridMethod::Samples,
-                grid->activeVoxelCount() - replaced, grid.get());
+                grid->activeVoxelCount() - replaced, context, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
@@ -279,7 +279,7 @@ VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
       },
       spec);
   grids_->list.push_back(grid);
-  return finish(spec, GridMethod::Differences, 0, grid.get());
+  return finish(spec, GridMethod::Differences, 0, context, grid.get());
 }
 
 VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
@@ -293,7 +293,7 @@ VdbGridInfo VdbFile::add(const ScalarField& field, const VdbGridSpec& spec,
   grids_->list.push_back(grid);
   label(spec, grid.get());
   VdbGridInfo info = describe(*grid);
-  measureRange<openvdb::FloatGrid>(*grid, &info);
+  measureRange<openvdb::FloatGrid>(*grid, context, &info);
   info.reasons = spec.reasons;
   return info;
 }

@@ -70,13 +70,10 @@ class VdbFile {
   VdbGridInfo add(const PotentialField& field, const VdbGridSpec& spec,
                   const Context& context = {});
   /// What is active is what samples alone would make active.
-  VdbGridInfo add(const MeanFluxField& field, const VdbGridSpec& spec,
-                  const Context& context = {});
+  VdbGridInfo add(const MeanFluxField& field, const VdbGridSpec& spec, const Context& context = {});
   /// Differences of a potential, with a discrete curl of zero (difference_rasterizer.h).
-  VdbGridInfo add(const GradientField& field, const VdbGridSpec& spec,
-                  const Context& context = {});
-  VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec,
-                  const Context& context = {});
+  VdbGridInfo add(const GradientField& field, const VdbGridSpec& spec, const Context& context = {});
+  VdbGridInfo add(const ScalarField& field, const VdbGridSpec& spec, const Context& context = {});
 
   /// The same grids make the same bytes: the file's unique tag is made from its content.
   /// @throws IoError, Cancelled

@@ -97,16 +97,16 @@ Field<kComponents<K>> makeField(const Subdivision& subdivision, const Cochain<K>
   constexpr int C = kComponents<K>;
   const auto complex = subdivision.finest();
   if (reconstruction == Reconstruction::Whitney || !subdivision.hasLimits()) {
-    return Field<C>(
-        std::make_shared<Whitney<K>>(complex, subdivision.positions(subdivision.levels()),
-                                     subdivision.refine(control, mode, context), subdivision.zeta()));
+    return Field<C>(std::make_shared<Whitney<K>>(
+        complex, subdivision.positions(subdivision.levels()),
+        subdivision.refine(control, mode, context), subdivision.zeta()));
   }
   Array<typename Piece<C>::Value> values;
   if constexpr (K == 0) values = asComponents(subdivision.limitValues(control, mode, context));
   if constexpr (K == 1 || K == 2) values = subdivision.limitVectors(control, mode, context);
   if constexpr (K == 3) values = asComponents(subdivision.limitDensities(control, mode, context));
-  return Field<C>(
-      std::make_shared<VertexField<C>>(complex, subdivision.limitPositions(context), std::move(values)));
+  return Field<C>(std::make_shared<VertexField<C>>(complex, subdivision.limitPositions(context),
+                                                   std::move(values)));
 }
 
 template Field<1> makeField(const Refiner&, const Limit&, Cochain<0>, BoundaryMode, Reconstruction,

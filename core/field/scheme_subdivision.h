@@ -26,18 +26,26 @@ class SchemeSubdivision : public Subdivision {
   const Array<Vec3>& positions(int level) const override { return refiner_.positions(level); }
   double zeta() const override { return refiner_.zeta(); }
 
-  Cochain<0> refine(const Cochain<0>& control, BoundaryMode mode, const Context& context) const override;
-  Cochain<1> refine(const Cochain<1>& control, BoundaryMode mode, const Context& context) const override;
-  Cochain<2> refine(const Cochain<2>& control, BoundaryMode mode, const Context& context) const override;
-  Cochain<3> refine(const Cochain<3>& control, BoundaryMode mode, const Context& context) const override;
+  Cochain<0> refine(const Cochain<0>& control, BoundaryMode mode,
+                    const Context& context) const override;
+  Cochain<1> refine(const Cochain<1>& control, BoundaryMode mode,
+                    const Context& context) const override;
+  Cochain<2> refine(const Cochain<2>& control, BoundaryMode mode,
+                    const Context& context) const override;
+  Cochain<3> refine(const Cochain<3>& control, BoundaryMode mode,
+                    const Context& context) const override;
 
   const Array<Vec3>& limitPositions(const Context& context) const override {
     return limit(context).positions();
   }
-  Array<double> limitValues(const Cochain<0>& control, BoundaryMode mode, const Context& context) const override;
-  Array<Vec3> limitVectors(const Cochain<1>& control, BoundaryMode mode, const Context& context) const override;
-  Array<Vec3> limitVectors(const Cochain<2>& control, BoundaryMode mode, const Context& context) const override;
-  Array<double> limitDensities(const Cochain<3>& control, BoundaryMode mode, const Context& context) const override;
+  Array<double> limitValues(const Cochain<0>& control, BoundaryMode mode,
+                            const Context& context) const override;
+  Array<Vec3> limitVectors(const Cochain<1>& control, BoundaryMode mode,
+                           const Context& context) const override;
+  Array<Vec3> limitVectors(const Cochain<2>& control, BoundaryMode mode,
+                           const Context& context) const override;
+  Array<double> limitDensities(const Cochain<3>& control, BoundaryMode mode,
+                               const Context& context) const override;
 
  private:
   Refiner refiner_;
@@ -46,12 +54,12 @@ class SchemeSubdivision : public Subdivision {
 };
 
 /// Subdivides a mesh: by which rule is for a caller to choose.
-using Subdivide =
-    std::function<std::unique_ptr<Subdivision>(
+using Subdivide = std::function<std::unique_ptr<Subdivision>(
     const ControlMesh& mesh, const RefinerOptions& options, const Context& context)>;
 
 /// Makes a SchemeSubdivision.
 std::unique_ptr<Subdivision> subdivideByScheme(const ControlMesh& mesh,
-                                               const RefinerOptions& options, const Context& context);
+                                               const RefinerOptions& options,
+                                               const Context& context);
 
 }  // namespace octet

@@ -7,8 +7,8 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include "../base/error.h"
 #include "../base/context.h"
+#include "../base/error.h"
 #include "block_bins.h"
 #include "tile.h"
 

@@ -247,8 +247,7 @@ class PatchPainter {
 
 template <int C>
 void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
-               const TileSink<C>& sink, const std::string& stage,
-               const Context& context) {
+               const TileSink<C>& sink, const std::string& stage, const Context& context) {
   checkVoxelSize(frame);
   const double after = sampling == Sampling::Staggered ? 0.5 : 0.0;
   const auto tilesOfBox = [&](const Box& box) {

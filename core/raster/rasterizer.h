@@ -17,7 +17,6 @@ namespace octet {
 /// @throws InputError when the grid needs indices beyond 2^30, Cancelled
 template <int C>
 void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
-               const TileSink<C>& sink, const std::string& stage = "",
-               const Context& context = {});
+               const TileSink<C>& sink, const std::string& stage = "", const Context& context = {});
 
 }  // namespace octet

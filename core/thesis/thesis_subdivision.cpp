@@ -200,19 +200,19 @@ class Expanding : public ThesisSubdivision {
 
   const Array<Vec3>& limitPositions(const Context&) const override { return limitPositions_; }
   Array<double> limitValues(const Cochain<0>& control, BoundaryMode,
-                         const Context& context) const override {
+                            const Context& context) const override {
     return real().ofVertices(limit_.values(steps(control, context), context));
   }
   Array<Vec3> limitVectors(const Cochain<1>& control, BoundaryMode,
-                         const Context& context) const override {
+                           const Context& context) const override {
     return real().ofVertices(limit_.vectors(steps(control, context), BoundaryMode::Open, context));
   }
   Array<Vec3> limitVectors(const Cochain<2>& control, BoundaryMode,
-                         const Context& context) const override {
+                           const Context& context) const override {
     return real().ofVertices(limit_.vectors(steps(control, context), BoundaryMode::Open, context));
   }
   Array<double> limitDensities(const Cochain<3>& control, BoundaryMode,
-                         const Context& context) const override {
+                               const Context& context) const override {
     return real().ofVertices(limit_.densities(steps(control, context), context));
   }
 

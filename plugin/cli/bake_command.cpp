@@ -145,11 +145,11 @@ const char* name(Reconstruction reconstruction) {
   return reconstruction == Reconstruction::Limit ? "limit" : "whitney";
 }
 
-nlohmann::ordered_json toJson(const BakePlan& plan, const BakeOptions& options) {
+nlohmann::ordered_json toJson(const BakePlan& plan) {
   nlohmann::ordered_json result = {{"name", plan.grid},
                                    {"form", plan.form},
                                    {"degree", plan.degree},
-                                   {"boundary", boundaryWord(options.boundary, plan.mode)},
+                                   {"boundary", boundaryWord(plan.boundaryRule, plan.mode)},
                                    {"reconstruction", name(plan.reconstruction)}};
   if (plan.method == GridMethod::None) return result;
   result["method"] = methodName(plan.method);
@@ -161,13 +161,13 @@ nlohmann::ordered_json toJson(const BakePlan& plan, const BakeOptions& options) 
   return result;
 }
 
-void printJson(const BakeForecast& forecast, const BakeOptions& options) {
+void printJson(const BakeForecast& forecast) {
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const PlannedFile& file : forecast.files) {
     nlohmann::ordered_json entry = {{"path", file.path}};
     if (file.frame) entry["frame"] = *file.frame;
     entry["grids"] = nlohmann::ordered_json::array();
-    for (const BakePlan& plan : file.grids) entry["grids"].push_back(toJson(plan, options));
+    for (const BakePlan& plan : file.grids) entry["grids"].push_back(toJson(plan));
     files.push_back(std::move(entry));
   }
   const ResolutionPlan& r = forecast.resolution;
@@ -182,7 +182,7 @@ void printJson(const BakeForecast& forecast, const BakeOptions& options) {
             << "\n";
 }
 
-void print(const BakeForecast& forecast, const BakeOptions& options) {
+void print(const BakeForecast& forecast) {
   const ResolutionPlan& r = forecast.resolution;
   std::printf("%d levels, about %s cells, mean edge %.4g, voxel %.4g\n", r.levels,
               grouped(std::llround(r.cells)).c_str(), r.fineEdge, r.voxelSize);
@@ -191,7 +191,7 @@ void print(const BakeForecast& forecast, const BakeOptions& options) {
     std::printf("%s\n", file.path.c_str());
     for (const BakePlan& plan : file.grids) {
       std::printf("  %s  from form %s, %s, %s boundary\n", plan.grid.c_str(), plan.form.c_str(),
-                  name(plan.reconstruction), boundaryWord(options.boundary, plan.mode));
+                  name(plan.reconstruction), boundaryWord(plan.boundaryRule, plan.mode).c_str());
       if (plan.method == GridMethod::None) continue;
       std::printf("    %s from %s%s%s\n", name(plan.sampling), methodName(plan.method),
                   plan.reasons.empty() ? "" : "; ", words(plan.reasons).c_str());
@@ -202,13 +202,13 @@ void print(const BakeForecast& forecast, const BakeOptions& options) {
 
 void foresee(const Arguments& arguments) {
   const ControlAsset asset = readAsset(arguments.control);
-  const BakeForecast forecast = withFile(
-      arguments.control, [&] { return foreseeBake(asset, arguments.options, arguments.output, consoleContext());
-      });
+  const BakeForecast forecast = withFile(arguments.control, [&] {
+    return foreseeBake(asset, arguments.options, arguments.output, consoleContext());
+  });
   if (arguments.json) {
-    printJson(forecast, arguments.options);
+    printJson(forecast);
   } else {
-    print(forecast, arguments.options);
+    print(forecast);
   }
 }
 
@@ -220,8 +220,8 @@ void run(Arguments& arguments) {
   if (arguments.dryRun) return foresee(arguments);
   checkOutput(arguments.control, arguments.output);
   const ControlAsset asset = readAsset(arguments.control);
-  const BakeReport report =
-      withFile(arguments.control, [&] { return bake(asset, options, arguments.output, consoleContext()); });
+  const BakeReport report = withFile(
+      arguments.control, [&] { return bake(asset, options, arguments.output, consoleContext()); });
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print(report, seconds, arguments.json);

@@ -104,8 +104,7 @@ void run(Arguments& arguments) {
     return;
   }
 #endif
-  writeRefinedDocument(asset, *subdivision, arguments.boundary, frame, arguments.output,
-                       context);
+  writeRefinedDocument(asset, *subdivision, arguments.boundary, frame, arguments.output, context);
   print(arguments, subdivision->finest()->cellCount(), subdivision->note());
 }
 

@@ -8,9 +8,9 @@
 #include <tbb/global_control.h>
 
 #include <octet/core/field/field.h>
-#include <octet/core/raster/rasterizer.h>
 #include <octet/core/field/whitney.h>
 #include <octet/core/forms/de_rham.h>
+#include <octet/core/raster/rasterizer.h>
 
 #include "tests/support/forms.h"
 #include "tests/support/meshes.h"

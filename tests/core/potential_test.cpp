@@ -10,9 +10,9 @@
 #include <octet/core/field/field.h>
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/de_rham.h>
-#include <octet/core/raster/flux_rasterizer.h>
 #include <octet/core/hodge/potential.h>
 #include <octet/core/hodge/projection.h>
+#include <octet/core/raster/flux_rasterizer.h>
 
 #include "tests/support/forms.h"
 #include "tests/support/meshes.h"
