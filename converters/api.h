@@ -3,8 +3,7 @@
 
 /// @file
 /// The public headers of the converters, between files and core: what a program includes, all at
-/// once or one by one. Pictures and Gmsh are libraries of their own: picture/picture.h and
-/// exr/slice_exr.h, gmsh/gmsh_import.h and gmsh/fill_tetrahedra.h.
+/// once or one by one. Pictures are a library of their own: picture/picture.h and exr/slice_exr.h.
 ///
 /// @defgroup assets Assets: control meshes with forms, in files
 /// @defgroup grids Grids: OpenVDB files, baked, measured and sampled
