@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "difference_rasterizer.h"
 
-#include "../base/parallel.h"
+#include "../base/reported_loop.h"
 #include "rasterizer.h"
 #include "tile_grid.h"
 
@@ -75,7 +75,8 @@ class Continued {
 };
 
 /// f = base + x . vectors / 2 at the samples inside, in place of base.
-void addVectors(const TileGrid<3>& vectors, const GridFrame& frame, TileGrid<1>* base) {
+void addVectors(const TileGrid<3>& vectors, const GridFrame& frame, const Context& context,
+                TileGrid<1>* base) {
   const auto addTo = [&](std::size_t t) {
     Tile<1>& tile = base->tile(t);
     const Tile<3>& v = *vectors.find(tile.origin);
@@ -87,7 +88,7 @@ void addVectors(const TileGrid<3>& vectors, const GridFrame& frame, TileGrid<1>*
       tile.values[0][n] += half;
     });
   };
-  parallelFor<std::size_t>(base->tileCount(), addTo, 1);
+  parallelFor<std::size_t>(base->tileCount(), addTo, context, 1);
 }
 
 }  // namespace
@@ -100,7 +101,7 @@ void rasterizeDifferences(const GradientField& field, const GridFrame& frame, Sa
   TileGrid<1> inside;
   sampleInto(&vectors, field.vectors, frame, stage, context);
   sampleInto(&inside, field.base, frame, stage, context);
-  addVectors(vectors, frame, &inside);
+  addVectors(vectors, frame, context, &inside);
   const Continued outside(inside, vectors, h);
   const auto potential = [&](const SampleIndex& at) {
     const Found found = lookUp(inside, at);
@@ -122,7 +123,7 @@ void rasterizeDifferences(const GradientField& field, const GridFrame& frame, Sa
     });
     sink(tile);
   };
-  parallelFor<std::size_t>(inside.tileCount(), difference, 1);
+  parallelFor<std::size_t>(inside.tileCount(), difference, context, 1);
 }
 
 }  // namespace octet

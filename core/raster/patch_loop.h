@@ -7,8 +7,8 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include "../base/context.h"
 #include "../base/error.h"
+#include "../base/reported_loop.h"
 #include "block_bins.h"
 #include "tile.h"
 
@@ -58,7 +58,7 @@ struct CellTiles {
 /// Whatever rasterises is a Patch: begin(first tile) clears it, paint(cell) takes what a cell adds,
 /// finish(sink) hands out its tiles.
 /// @param makePatch  makes one for each thread that needs it
-/// @param progress  called from the calling thread
+/// @param context  told of blocks from the calling thread, polled from all
 template <int C, typename MakePatch>
 void fillPatches(const CellTiles& cells, const MakePatch& makePatch, const TileSink<C>& sink,
                  const std::string& stage, const Context& context) {
@@ -83,7 +83,7 @@ void fillPatches(const CellTiles& cells, const MakePatch& makePatch, const TileS
   for (std::size_t first = 0; first < count; first += atOnce) {
     context.report({stage, first, count, "blocks"});
     parallelFor<std::size_t>(
-        std::min(atOnce, count - first), [&](std::size_t k) { fillBlock(first + k); }, 1);
+        std::min(atOnce, count - first), [&](std::size_t k) { fillBlock(first + k); }, context, 1);
   }
   context.report({stage, count, count, "blocks"});
 }

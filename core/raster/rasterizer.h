@@ -13,7 +13,7 @@ namespace octet {
 ///
 /// @param sink  called once per tile with at least one active sample, from any thread, in no
 ///              particular order
-/// @param progress  counts tiles; called from the calling thread
+/// @param context  told of blocks of tiles from the calling thread, polled from all
 /// @throws InputError when the grid needs indices beyond 2^30, Cancelled
 template <int C>
 void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sampling,
