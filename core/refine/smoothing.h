@@ -115,6 +115,7 @@ void Smoothing::vertexRow(Index v, double weight, const Add& add) const {
   stars_.visitVertex(vertex, [&](Index cell, int k) {
     withShape(c_, cell, [&](auto shape) {
       using Shape = decltype(shape);
+      if (k >= FineVertices<Shape>::kCount) return;  // a tetrahedron has no centre
       columnRow(
           kernels_.of<Shape>().vertexHomotopy, k,
           [&](int own) { return localEdge<Shape>(c_, cell, own); }, cells, weight, add);
