@@ -163,7 +163,9 @@ TEST(LineCounter, CountsAcrossItsOwnBlocks) {
     for (int k = 0; k < 100000; ++k) {
       ASSERT_TRUE(in >> word);
       ASSERT_EQ(word, std::to_string(k));
-      if (asking) ASSERT_EQ(lines.line(), k + 1);
+      if (asking) {
+        ASSERT_EQ(lines.line(), k + 1);
+      }
     }
     EXPECT_EQ(lines.line(), 100000);
   }

@@ -124,7 +124,9 @@ TEST(RunProgram, CarriesAllBytesBothWays) {
   EXPECT_EQ(ran("cat").output, "") << "an input that is empty ends";
   EXPECT_EQ(runProgram({"/bin/echo", "a b", "$c"}, "",
                        [](std::string_view bytes) {
-                         if (!bytes.empty()) EXPECT_EQ(bytes, "a b $c\n");
+                         if (!bytes.empty()) {
+                           EXPECT_EQ(bytes, "a b $c\n");
+                         }
                        },
                        {})
                 .failure,
