@@ -221,12 +221,11 @@ TEST_P(Stops, SoonAfterItIsAsked) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(LongCalls, Stops, ::testing::ValuesIn(longCalls()),
-                         [](const ::testing::TestParamInfo<LongCall>& info) {
-                           std::string name = info.param.name;
-                           for (char& c : name) c = std::isalnum(c) ? c : '_';
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(LongCalls, Stops, ::testing::ValuesIn(longCalls()), [](const auto& call) {
+  std::string name = call.param.name;
+  for (char& c : name) c = std::isalnum(c) ? c : '_';
+  return name;
+});
 
 TEST(Memory, OfLevelsIsReservedAndGivenBack) {
   ContextParts parts;
