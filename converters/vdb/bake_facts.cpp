@@ -26,7 +26,8 @@ MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta, const Context& con
   facts.controlEdge = meanEdge(*mesh.complex(), mesh.positions());
   facts.longestSide = domainBox(refiner.finest(), limit.positions()).size().maxCoeff();
   facts.firstEdge = meanEdge(refiner.finest(), limit.positions());
-  facts.firstCells = static_cast<double>(refiner.finest().cellCount());
+  facts.tets = static_cast<double>(mesh.complex()->tetCount());
+  facts.octs = static_cast<double>(mesh.complex()->octCount());
   return facts;
 }
 

@@ -38,6 +38,17 @@ double foreseenEdge(const MeshFacts& facts, int level) {
   return level == 0 ? facts.controlEdge : std::ldexp(facts.firstEdge, 1 - level);
 }
 
+/// By the split (SCHEME.md section 3), as a number: more levels can be asked for than fit.
+double cellsAt(const MeshFacts& facts, int level) {
+  double tets = facts.tets, octs = facts.octs;
+  for (int k = 0; k < level; ++k) {
+    const double inner = tets;
+    tets = 4 * tets + 8 * octs;
+    octs = inner + 6 * octs;
+  }
+  return tets + octs;
+}
+
 int automaticLevels(const MeshFacts& facts, double voxelSize) {
   int levels = 0;
   while (foreseenEdge(facts, levels) > kVoxelsPerEdge * voxelSize) ++levels;
@@ -98,8 +109,7 @@ ResolutionPlan planResolution(const BakeOptions& options, const MeshFacts& facts
   ResolutionPlan plan;
   plan.voxelSize = planVoxelSize(options, facts);
   plan.levels = options.levels ? *options.levels : automaticLevels(facts, plan.voxelSize);
-  // A level makes eight times the cells, about.
-  plan.cells = facts.firstCells * std::pow(8.0, plan.levels - 1);
+  plan.cells = cellsAt(facts, plan.levels);
   plan.fineEdge = foreseenEdge(facts, plan.levels);
   plan.bytes = kBytesPerCell * plan.cells;
   return plan;

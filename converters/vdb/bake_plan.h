@@ -13,19 +13,19 @@
 
 namespace octet {
 
-/// What is known of a mesh from its first level.
+/// What is known of a mesh and its first level.
 struct MeshFacts {
-  double controlEdge = 0;  ///< mean edge of the control mesh
-  double longestSide = 0;  ///< of the box around the limit surface
-  double firstEdge = 0;    ///< mean edge of level 1, between limit positions
-  double firstCells = 0;   ///< of level 1
+  double controlEdge = 0;     ///< mean edge of the control mesh
+  double longestSide = 0;     ///< of the box around the limit surface
+  double firstEdge = 0;       ///< mean edge of level 1, between limit positions
+  double tets = 0, octs = 0;  ///< of the control mesh
 };
 
 /// How fine a bake is, and what it foresees to take.
 struct ResolutionPlan {
   double voxelSize = 0;  ///< world units
   int levels = 0;        ///< subdivisions
-  double cells = 0;      ///< at the finest level, about
+  double cells = 0;      ///< at the finest level
   double fineEdge = 0;   ///< mean edge there, about
   double bytes = 0;      ///< of memory, at most
 };

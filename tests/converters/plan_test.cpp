@@ -4,14 +4,14 @@
 
 #include <octet/converters/vdb/bake_plan.h>
 #include <octet/converters/vdb/wording.h>
-#include <octet/core/base/error.h>
+#include <octet/core/base/memory_budget.h>
 #include <octet/core/raster/flux_rasterizer.h>
 
 namespace octet {
 namespace {
 
 /// A mesh whose level 1 has 1000 cells with edges of 0.5, in a box of side 8.
-constexpr MeshFacts kMesh{1.1, 8, 0.5, 1000};
+constexpr MeshFacts kMesh{1.1, 8, 0.5, 200, 0};
 
 BakeOptions ofResolution(int resolution) {
   BakeOptions options;
@@ -69,10 +69,10 @@ TEST(ResolutionPlan, ForeseesCellsAndMemory) {
   options.levels = 3;
   const ResolutionPlan plan = planResolution(options, kMesh);
   EXPECT_EQ(plan.levels, 3);
-  EXPECT_EQ(plan.cells, 64000);
+  EXPECT_EQ(plan.cells, 35200 + 16800);
   EXPECT_EQ(plan.fineEdge, 0.125);
   EXPECT_NO_THROW(checkMemory(plan, plan.bytes));
-  EXPECT_THROW(checkMemory(plan, plan.bytes - 1), InputError);
+  EXPECT_THROW(checkMemory(plan, plan.bytes - 1), MemoryError);
 }
 
 TEST(ResolutionPlan, RefusesSizesThatAreNone) {
