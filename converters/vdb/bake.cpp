@@ -70,8 +70,7 @@ BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std
                 const Context& context) {
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
-  const auto resolution =
-      planResolution(options, findMeshFacts(asset.mesh, options.zeta, context.sub(0.02)));
+  const auto resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta, context));
   checkMemory(resolution, memoryLimit());
   const auto files = filesOf(choice, path);
   const FormBaker baker(asset.mesh, options, resolution.levels, context.sub(0.3));

@@ -20,8 +20,9 @@ MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta, const Context& con
   RefinerOptions options;
   options.levels = 1;
   options.zeta = zeta;
-  const Refiner refiner(mesh, options, context);
-  const Limit limit(refiner, context);
+  context.poll();  // one level is quick, and not of what is reported
+  const Refiner refiner(mesh, options);
+  const Limit limit(refiner);
   MeshFacts facts;
   facts.controlEdge = meanEdge(*mesh.complex(), mesh.positions());
   facts.longestSide = domainBox(refiner.finest(), limit.positions()).size().maxCoeff();

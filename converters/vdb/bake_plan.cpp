@@ -5,6 +5,7 @@
 
 #include <octet/core/base/memory_budget.h>
 #include <octet/core/raster/flux_rasterizer.h>
+#include <octet/core/refine/most_levels.h>
 
 #include "targets.h"
 #include "wording.h"
@@ -109,6 +110,10 @@ ResolutionPlan planResolution(const BakeOptions& options, const MeshFacts& facts
   ResolutionPlan plan;
   plan.voxelSize = planVoxelSize(options, facts);
   plan.levels = options.levels ? *options.levels : automaticLevels(facts, plan.voxelSize);
+  if (options.levels && (plan.levels < 0 || plan.levels > kMostLevels)) {
+    throw InputError("levels", std::to_string(plan.levels) + " is not between 0 and " +
+                                   std::to_string(kMostLevels));
+  }
   plan.cells = cellsAt(facts, plan.levels);
   plan.fineEdge = foreseenEdge(facts, plan.levels);
   plan.bytes = kBytesPerCell * plan.cells;

@@ -6,11 +6,11 @@
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
 #include "../topology/split.h"
+#include "most_levels.h"
 #include "step_adjoint.h"
 
 namespace octet {
 namespace {
-constexpr int kMostLevels = 12;
 /// What a cell of a level takes in memory, at most, while levels are built
 /// (tests/bench/memory.cpp).
 constexpr double kBytesPerCell = 400;

@@ -75,6 +75,14 @@ TEST(ResolutionPlan, ForeseesCellsAndMemory) {
   EXPECT_THROW(checkMemory(plan, plan.bytes - 1), MemoryError);
 }
 
+TEST(ResolutionPlan, RefusesLevelsThatNobodyHas) {
+  for (const int levels : {-1, 13, 40}) {
+    BakeOptions options = ofResolution(10);
+    options.levels = levels;
+    EXPECT_THROW(planResolution(options, kMesh), InputError) << levels;
+  }
+}
+
 TEST(ResolutionPlan, RefusesSizesThatAreNone) {
   BakeOptions both = ofResolution(10);
   both.voxelSize = 1;
