@@ -15,7 +15,7 @@ def describe(error):
         known += (library.octetvdb.Error,)
     text = " ".join(str(error).split())
     text = text[:1].upper() + text[1:]
-    if isinstance(error, MemoryError):
+    if isinstance(error, MemoryError) and not isinstance(error, known):
         return "Not enough memory"
     return text if isinstance(error, known) else f"Internal error: {type(error).__name__}: {text}"
 
