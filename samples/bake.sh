@@ -29,7 +29,7 @@ options=("$@")
 
 install_packages "${BUILD_PACKAGES[@]}"
 cmake --preset release -DOCTETVDB_BUILD_TESTS=OFF -DOCTETVDB_BUILD_BENCHMARKS=OFF >/dev/null
-cmake --build --preset release --target octetvdb
+cmake --build --preset release --target octetvdb octetvdb-gmsh
 
 mkdir -p out
 for asset in "${assets[@]}"; do
