@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "../base/sort_unique.h"
+#include "../refine/step_adjoint.h"
+#include "../topology/split.h"
 #include "dense_algebra.h"
 
 namespace octet {
@@ -20,7 +22,7 @@ struct Place {
   double sign = 1;
 };
 
-/// Simplices of the fine star in the places of those of the coarse one.
+/// Simplices of the fine star of a vertex in the places of those of its coarse star.
 template <int K>
 std::vector<Place> places(const Complex& coarse, const Complex& fine, Index centre) {
   std::vector<Place> result(static_cast<std::size_t>(coarse.count(K)));
@@ -57,15 +59,101 @@ Eigen::MatrixXd normalised(Eigen::MatrixXd x, Index centre) {
 
 }  // namespace
 
+/// @brief The star one level further in, where nothing around it is cut off or irregular on its
+/// own account, and the step from there: the same as at every finer level.
+class LocalSubdivision::Generic {
+ public:
+  Generic(const ControlMesh& star, Index centre, const LocalSubdivisionOptions& options)
+      : centre_(centre),
+        options_(options),
+        linear_(options.zeta),
+        kernels_(options.zeta),
+        control_(star.complex()),
+        coarse_(split(control_)),
+        fine_(split(coarse_)) {
+    const Boundary control(*control_, star.corners(), nullptr);
+    coarseBoundary_ = Boundary(*coarse_, star.corners(), &control);
+    boundary_ = Boundary(*fine_, star.corners(), &coarseBoundary_);
+    sites_ = LatticeSites(*fine_);
+    smoothing_ = std::make_unique<Smoothing>(*fine_, boundary_, sites_, kernels_, &scratch_);
+  }
+
+  /// Gives the star the positions that the patch test is to look at.
+  void place(const Array<Vec3>& positions) {
+    Array<Vec3> before(coarse_->vertexCount(), Vec3::Zero()), after(fine_->vertexCount());
+    const auto vertices = places<0>(*control_, *coarse_, centre_);
+    for (std::size_t v = 0; v < vertices.size(); ++v) before[vertices[v].fine] = positions[v];
+    Array<double> in(before.size()), middle(after.size()), out(after.size());
+    for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t v = 0; v < before.size(); ++v) in[v] = before[v][axis];
+      linear_.apply0(*coarse_, in.data(), middle.data());
+      smoothing_->apply0(in.data(), middle.data(), out.data());
+      for (std::size_t v = 0; v < after.size(); ++v) after[v][axis] = out[v];
+    }
+    Array<double> edges(fine_->edgeCount());
+    const auto uncorrected = [&](const double* from, double* to) {
+      linear_.apply1(*coarse_, from, edges.data());
+      smoothing_->apply1(from, edges.data(), {}, to);
+    };
+    patchTest_ = std::make_unique<PatchTest>(*fine_, boundary_, kernels_, uncorrected, &scratch_,
+                                             before, after);
+  }
+
+  template <int K>
+  Eigen::MatrixXd matrix() const {
+    const StepAdjoint step(*fine_, sites_, kernels_.linear, smoothing_.get(),
+                           {patchTest_.get(), options_.mode});
+    const auto columns = places<K>(*control_, *coarse_, centre_);
+    const auto rows = places<K>(*coarse_, *fine_, centre_);
+    std::vector<Index> columnOf(static_cast<std::size_t>(coarse_->count(K)), kNone);
+    for (std::size_t s = 0; s < columns.size(); ++s) {
+      columnOf[columns[s].fine] = static_cast<Index>(s);
+    }
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(control_->count(K), control_->count(K));
+    RowSum sum(coarse_->count(K));
+    for (std::size_t s = 0; s < columns.size(); ++s) {
+      const Place& place = rows[columns[s].fine];
+      const double sign = columns[s].sign * place.sign;
+      if constexpr (K == 0) step.addVertex(place.fine, sign, &sum);
+      if constexpr (K == 1) step.addEdge(place.fine, sign, &sum);
+      if constexpr (K == 2) step.addFacet(place.fine, sign, &sum);
+      const SparseRow row = sum.take();
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        const Index column = columnOf[row.index[k]];
+        if (column == kNone) continue;
+        result(static_cast<Eigen::Index>(s), column) = row.weight[k] * columns[column].sign;
+      }
+    }
+    return result;
+  }
+
+ private:
+  Index centre_;
+  LocalSubdivisionOptions options_;
+  LinearRefinement linear_;
+  CellKernels kernels_;
+  ScratchPool scratch_;
+  std::shared_ptr<const Complex> control_, coarse_, fine_;
+  Boundary coarseBoundary_, boundary_;
+  LatticeSites sites_;
+  std::unique_ptr<Smoothing> smoothing_;
+  std::unique_ptr<PatchTest> patchTest_;
+};
+
 LocalSubdivision::LocalSubdivision(const Refiner& refiner, int level, Index vertex,
                                    const LocalSubdivisionOptions& options)
     : options_(options) {
   cutOut(refiner, level, vertex);
+  generic_ = std::make_unique<Generic>(ControlMesh::build(input_), centre_, options_);
   if (options.settle) settle();
   const ControlMesh mesh = ControlMesh::build(input_);
   star_ = mesh.complex();
   positions_ = mesh.positions();
+  if (options.patchTest) generic_->place(positions_);
 }
+
+LocalSubdivision::~LocalSubdivision() = default;
+LocalSubdivision::LocalSubdivision(LocalSubdivision&&) noexcept = default;
 
 void LocalSubdivision::cutOut(const Refiner& refiner, int level, Index vertex) {
   if (level < 0 || level > refiner.levels()) {
@@ -121,19 +209,7 @@ void LocalSubdivision::cutOut(const Refiner& refiner, int level, Index vertex) {
   if (boundary.kinds[row] == BoundaryKind::Corner) input_.corners.push_back(centre_);
 }
 
-Refiner LocalSubdivision::refine() const {
-  RefinerOptions options;
-  options.levels = 1;
-  options.zeta = options_.zeta;
-  options.patchTest = options_.patchTest;
-  return Refiner(ControlMesh::build(input_), options);
-}
-
 void LocalSubdivision::settle() {
-  {
-    const ControlMesh mesh = ControlMesh::build(input_);
-    star_ = mesh.complex();
-  }
   const Eigen::MatrixXd step = matrix<0>();
   Eigen::MatrixXd x(input_.vertices.size(), 3);
   for (std::size_t v = 0; v < input_.vertices.size(); ++v) {
@@ -154,19 +230,7 @@ void LocalSubdivision::settle() {
 template <int K>
 Eigen::MatrixXd LocalSubdivision::matrix() const {
   static_assert(K >= 0 && K <= 2, "masses are refined cell by cell");
-  const Refiner refiner = refine();
-  const Complex& c = refiner.complex(0);
-  const auto rows = places<K>(c, refiner.complex(1), centre_);
-  Eigen::MatrixXd result(c.count(K), c.count(K));
-  for (Index column = 0; column < c.count(K); ++column) {
-    Cochain<K> unit(c);
-    unit[column] = 1;
-    const Cochain<K> fine = refiner.step(0, unit, options_.mode);
-    for (Index row = 0; row < c.count(K); ++row) {
-      result(row, column) = rows[row].sign * fine[rows[row].fine];
-    }
-  }
-  return result;
+  return generic_->matrix<K>();
 }
 
 template <int K>

@@ -25,7 +25,9 @@ struct LocalSubdivisionOptions {
 /// interior or on the boundary, so the matrix is square and its powers are what repeated
 /// subdivision does there.
 ///
-/// The star is cut out as a mesh of its own, with the lattice regions that its cells lie in.
+/// The star is cut out as a mesh of its own, with the lattice regions that its cells lie in, and
+/// split once before the step: in a control mesh other irregular vertices beside this one have
+/// their own rules' say in the first step, and in no later one.
 class LocalSubdivision {
  public:
   /// @param vertex  of the refiner's level `level`
@@ -34,6 +36,8 @@ class LocalSubdivision {
   ///         dies out more slowly than the direction along the edge)
   LocalSubdivision(const Refiner& refiner, int level, Index vertex,
                    const LocalSubdivisionOptions& options = {});
+  ~LocalSubdivision();
+  LocalSubdivision(LocalSubdivision&&) noexcept;
 
   /// The closed star; its simplices are the rows and columns, in stored orientation.
   const Complex& star() const { return *star_; }
@@ -57,10 +61,12 @@ class LocalSubdivision {
  private:
   void cutOut(const Refiner& refiner, int level, Index vertex);
   void settle();
-  Refiner refine() const;
+
+  class Generic;
 
   LocalSubdivisionOptions options_;
   ControlMeshInput input_;
+  std::unique_ptr<Generic> generic_;
   std::shared_ptr<const Complex> star_;
   Index centre_ = kNone;
   VertexType type_ = VertexType::R;

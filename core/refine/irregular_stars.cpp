@@ -198,18 +198,18 @@ std::vector<Index> irregularEdges(const Complex& complex) {
 }
 
 /// Solves the rule of a star, or finds it among those solved before.
-std::shared_ptr<const std::optional<Eigen::MatrixXd>> movesOf(const InteriorStar& star) {
-  using Moves = std::shared_ptr<const std::optional<Eigen::MatrixXd>>;
+std::shared_ptr<const InteriorRule> ruleOf(const InteriorStar& star) {
+  using Rule = std::shared_ptr<const InteriorRule>;
   static std::mutex mutex;
-  static std::map<InteriorStar, Moves> solved;
+  static std::map<InteriorStar, Rule> solved;
   {
     const std::lock_guard<std::mutex> lock(mutex);
     const auto found = solved.find(star);
     if (found != solved.end()) return found->second;
   }
-  auto moves = std::make_shared<const std::optional<Eigen::MatrixXd>>(interiorStarMoves(star));
+  auto rule = std::make_shared<const InteriorRule>(interiorRule(star));
   const std::lock_guard<std::mutex> lock(mutex);
-  return solved.emplace(star, std::move(moves)).first->second;
+  return solved.emplace(star, std::move(rule)).first->second;
 }
 
 /// An interior star as it lies in the mesh.
@@ -355,12 +355,12 @@ class Claims {
     if (!labelled) return {};
     const StarPaths paths(c_, {labelled->vertices, labelled->interior.star});
     if (!paths.unique()) return {};
-    const auto moves = movesOf(labelled->interior);
-    if (!*moves) return {};
+    const auto rule = ruleOf(labelled->interior);
+    if (!rule->moves) return {};
     std::vector<VertexMove> result;
     for (int a = 1; a < labelled->interior.star.vertexCount; ++a) {
       const Index vertex = labelled->vertices[static_cast<std::size_t>(a)];
-      if (free(vertex)) addMoves(paths, a, (*moves)->row(a), &result);
+      if (free(vertex)) addMoves(paths, a, rule->moves->row(a), &result);
     }
     return result;
   }
@@ -451,6 +451,43 @@ LineNames IrregularStars::names(const LineStar& line) const {
   return std::adjacent_find(all.begin(), all.end()) == all.end() ? names : none;
 }
 
+namespace {
+
+/// Puts rows in order and adds what one coarse edge has in a row, by size: sums then depend on
+/// nothing but what is added.
+void mergeMoves(std::vector<VertexMove>* moves) {
+  const auto row = [](const VertexMove& m) { return std::pair(m.fineVertex, m.coarseEdge); };
+  const auto signless = [](const VertexMove& m) { return std::abs(m.weight); };
+  std::sort(moves->begin(), moves->end(), [&](const VertexMove& a, const VertexMove& b) {
+    return std::tuple(row(a), signless(a), a.weight) < std::tuple(row(b), signless(b), b.weight);
+  });
+  std::size_t kept = 0;
+  for (const VertexMove& move : *moves) {
+    if (kept > 0 && row((*moves)[kept - 1]) == row(move)) {
+      (*moves)[kept - 1].weight += move.weight;
+    } else {
+      (*moves)[kept++] = move;
+    }
+  }
+  moves->resize(kept);
+}
+
+}  // namespace
+
+bool starFolds(const IrregularStars& stars, Index vertex) {
+  const LineStar* line = nullptr;
+  if (stars.kind(vertex) == StarKind::Line) {
+    const auto& lines = stars.lines();
+    line = &*std::lower_bound(lines.begin(), lines.end(), vertex,
+                              [](const LineStar& l, Index v) { return l.centre < v; });
+    if (stars.names(*line).size() > 0) return false;  // tetrahedra only
+  } else if (stars.kind(vertex) != StarKind::Other) {
+    return false;
+  }
+  const auto labelled = InteriorLabels(stars.complex(), vertex, line).canonical();
+  return labelled && ruleOf(labelled->interior)->folds;
+}
+
 std::vector<VertexMove> interiorMoves(const IrregularStars& stars) {
   const Claims claims(stars);
   const std::size_t lines = stars.lines().size();
@@ -463,10 +500,11 @@ std::vector<VertexMove> interiorMoves(const IrregularStars& stars) {
       },
       16);
   std::vector<VertexMove> moves;
-  for (const auto& part : claimed) moves.insert(moves.end(), part.begin(), part.end());
-  std::stable_sort(moves.begin(), moves.end(), [](const VertexMove& a, const VertexMove& b) {
-    return a.fineVertex < b.fineVertex;
-  });
+  for (auto& part : claimed) {
+    mergeMoves(&part);
+    moves.insert(moves.end(), part.begin(), part.end());
+  }
+  mergeMoves(&moves);
   return moves;
 }
 

@@ -58,6 +58,9 @@ class IrregularStars {
   std::vector<Index> others_;
 };
 
+/// Does an irregular interior vertex' star fold when subdivision settles its shape (InteriorRule)?
+bool starFolds(const IrregularStars& stars, Index vertex);
+
 /// @brief Lists what irregular interior stars add to D1 L1 when a level is split: H1 of section 6b.
 /// Entries of a row follow each other, rows ascend. Each star's rule is solved once per process.
 std::vector<VertexMove> interiorMoves(const IrregularStars& stars);

@@ -102,7 +102,9 @@ struct ChildSums {
 /// 1/2 x_a x x_b on an edge, a component of the potential of constant fluxes.
 double potential(const Array<Vec3>& x, const Vec3& origin, const std::array<Index, 2>& edge,
                  int axis) {
-  return (x[edge[0]] - origin).cross(x[edge[1]] - origin)[axis] / 2;
+  const Vec3 a = x[edge[0]] - origin, b = x[edge[1]] - origin;
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  return (a[i] * b[j] - a[j] * b[i]) / 2;
 }
 
 /// Facets of the cells around an edge, ascending, with repetitions.

@@ -77,6 +77,23 @@ void multiply(const double (&matrix)[N][M], const double* input, double* out) {
   std::copy(sum, sum + M, out);
 }
 
+/// Moves as rows, each coarse edge once.
+LocalRows moveRows(const std::vector<VertexMove>& moves) {
+  std::vector<Index> fine;
+  std::vector<std::size_t> begin;
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    if (!fine.empty() && moves[k].fineVertex == fine.back()) continue;
+    fine.push_back(moves[k].fineVertex);
+    begin.push_back(k);
+  }
+  begin.push_back(moves.size());
+  return LocalRows(fine, [&](Index row, const auto& add) {
+    for (std::size_t k = begin[row]; k < begin[row + 1]; ++k) {
+      add(moves[k].coarseEdge, moves[k].weight);
+    }
+  });
+}
+
 }  // namespace
 
 Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const LatticeSites& sites,
@@ -89,6 +106,12 @@ Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const Lattic
       scratch_(scratch),
       rows_(rows),
       stars_(c_) {
+  const IrregularStars irregular(c_);
+  const std::vector<VertexMove> moves = interiorMoves(irregular);
+  moves_ = moveRows(moves);
+  fluxes_ = FluxStars(irregular, f_);
+  vertices_.assign(f_.vertexCount(), 0);
+  for (const VertexMove& move : moves) vertices_[move.fineVertex] = kMoved;
   classify();
 }
 
@@ -96,7 +119,6 @@ void Smoothing::classify() {
   edges_.assign(f_.edgeCount(), 0);
   facets_.assign(f_.facetCount(), 0);
   cells_.assign(f_.cellCount(), 0);
-  vertices_.assign(f_.vertexCount(), 0);
   parallelFor<Index>(sites_.count(), [&](Index s) {
     for (int c = 0; c < kEdgeClasses; ++c) {
       if (sites_.regularEdges[s] >> c & 1) edges_[sites_.edges[s][c].index()] = kRegular;
@@ -109,10 +131,13 @@ void Smoothing::classify() {
     }
   });
   parallelFor<Index>(f_.edgeCount(), [&](Index e) {
-    if (edges_[e] & kRegular) return;
+    if (edges_[e] & kRegular) {
+      for (const Index v : f_.edges[e]) edges_[e] |= vertices_[v] & kMoved;
+      return;
+    }
     if (rows_ == BoundaryRows::Star || !f_.edgeOnBoundary(e)) edges_[e] = kStarRow;
     for (const Index v : f_.edges[e]) {
-      if (byStar(v)) storeRelaxed<std::uint8_t>(&vertices_[v], kNeedsRow);
+      if (byStar(v)) orRelaxed(&vertices_[v], kNeedsRow);
     }
   });
   parallelFor<Index>(f_.facetCount(), [&](Index f) {
@@ -204,6 +229,7 @@ void Smoothing::edgeRows(const double* coarseFacets, const Correction& correctio
   stars_.edges(scratch_, fill, out);
   if (patchTest) patchTest->finish(correction.mode, coarseFacets, out);
   if (rows_ == BoundaryRows::Surface) boundary_.edgeRows().addTo(coarseFacets, out);
+  fluxes_.apply(coarseFacets, out);
 }
 
 /// D3 of irregular facets applied to the linear refinement of a 3-form, one for all children of a
@@ -228,6 +254,7 @@ void Smoothing::apply0(const double* coarse, const double* linear, double* out) 
         return e.sign() * (linear[f_.edges[e.index()][1]] - linear[f_.edges[e.index()][0]]);
       },
       out);
+  moves_.addTo(edges.data(), out);
   parallelFor<Index>(f_.vertexCount(), [&](Index v) { out[v] = linear[v] - out[v]; });
 }
 
@@ -241,12 +268,18 @@ void Smoothing::apply1(const double* coarse, const double* linear, const Correct
   vertexRows(
       coarse, [&](Index v) { return vertices_[v] & kNeedsRow; }, vertices.data());
   boundaryVertexRows([&](EdgeRef e) { return e.sign() * linear[e.index()]; }, vertices.data());
+  moves_.addTo(coarse, vertices.data());
+  const auto moved = [&](Index v) {
+    double sum = 0;
+    moveRow(v, 1, [&](Index e, double weight) { sum += weight * coarse[e]; });
+    return sum;
+  };
   averageTranslates(sites_, sites_.edges, sites_.regularEdges,
                     gather(scratch_, sites_.edges, linear), out);
   parallelFor<Index>(f_.edgeCount(), [&](Index e) {
-    const double average = edges_[e] & kRegular
-                               ? out[e]
-                               : linear[e] - (vertices[f_.edges[e][1]] - vertices[f_.edges[e][0]]);
+    const auto& [a, b] = f_.edges[e];
+    double average = edges_[e] & kRegular ? out[e] : linear[e] - (vertices[b] - vertices[a]);
+    if (edges_[e] & kMoved) average -= moved(b) - moved(a);
     out[e] = average - rows[e];
   });
 }

@@ -6,6 +6,8 @@
 #include "../rules/smoothing_rules.h"
 #include "../topology/boundary.h"
 #include "../topology/lattice_sites.h"
+#include "../topology/local_rows.h"
+#include "flux_stars.h"
 #include "linear_blocks.h"
 #include "patch_test.h"
 #include "star_sums.h"
@@ -20,9 +22,10 @@ struct Correction {
 
 /// @brief The smoothing operators M0..M3 on one level (SCHEME.md sections 5 to 8): averages over
 /// lattice translates on regular simplices, the homotopy M = I - d D - D d elsewhere, on the wall
-/// surface by rows that stay there.
+/// surface by rows that stay there. Irregular interior stars add rows H1 and H2 of their own to
+/// D1 L1 and D2 L2.
 ///
-/// Nothing is stored per row: rules read the lattice sites and the coarse cells. Whatever the local
+/// Only those are stored: rules read the lattice sites and the coarse cells. Whatever the local
 /// choices of D are, the operators commute with d. `coarse` arguments are coefficients on the
 /// coarse level, `linear` their linear refinement. Thread safe; refers to the level's complex,
 /// boundary, sites, kernels and scratch pool, which must outlive it.
@@ -45,7 +48,12 @@ class Smoothing {
   /// D1 L1 of a fine vertex, over coarse edges.
   template <typename Add>
   void vertexRow(Index vertex, double weight, const Add& add) const;
-  /// D2 L2 of a fine edge, over coarse facets; of a regular edge the correction alone.
+  /// H1 of a fine vertex, over coarse edges.
+  template <typename Add>
+  void moveRow(Index vertex, double weight, const Add& add) const {
+    moves_.row(vertex, weight, add);
+  }
+  /// D2 L2 + H2 of a fine edge, over coarse facets; of a regular edge the correction and H2 alone.
   template <typename Add>
   void edgeRow(Index edge, const Correction& correction, double weight, const Add& add) const;
   /// D3 L3 of a fine facet, over coarse cells. It is the same for the four children of a coarse
@@ -60,6 +68,7 @@ class Smoothing {
     kRegular = 1,   // smoothed by the average over translates
     kNeedsRow = 2,  // its row of D is read by an irregular simplex
     kStarRow = 4,   // irregular: its row of D is a mean over its star
+    kMoved = 8,     // has a row of H1; of an edge: regular, but an end has one
   };
   void classify();
   /// Is the vertex smoothed by a mean over its star?
@@ -80,7 +89,9 @@ class Smoothing {
   const CellKernels& kernels_;
   ScratchPool* scratch_;
   BoundaryRows rows_;
-  StarSums stars_;  // over coarse cells
+  StarSums stars_;    // over coarse cells
+  LocalRows moves_;   // H1
+  FluxStars fluxes_;  // H2
   // Per fine simplex: RowFlag bits.
   Array<std::uint8_t> vertices_, edges_, facets_, cells_;
   Array<std::uint8_t> needsStarRows_;  // per coarse cell: has an irregular edge or vertex
@@ -144,6 +155,7 @@ void Smoothing::edgeRow(Index e, const Correction& correction, double weight,
     });
   }
   if (rows_ == BoundaryRows::Surface) boundary_.edgeRows().row(e, weight, add);
+  fluxes_.row(e, weight, add);
 }
 
 template <typename Add>

@@ -37,13 +37,15 @@ StarSums::StarSums(const Complex& coarse) : c_(coarse) {
 
 int StarSums::cellsAtVertex(const ChildOf& vertex) const {
   if (vertex.origin == Origin::Octahedron) return 14;
+  if (vertex.origin == Origin::Vertex) {
+    return std::max(static_cast<int>(vertexBegin_[vertex.parent + 1] - vertexBegin_[vertex.parent]),
+                    1);
+  }
+  // Two corner children of each cell, the octahedron of a tetrahedron, two tetrahedra of an
+  // octahedron.
   int n = 0;
-  visitVertex(vertex, [&](Index cell, int) {
-    // At a midpoint two corner children of each cell, the octahedron of a tetrahedron, two
-    // tetrahedra of an octahedron.
-    n += vertex.origin == Origin::Vertex ? 1 : c_.isTet(cell) ? 3 : 4;
-  });
-  return std::max(n, 1);
+  visitVertex(vertex, [&](Index cell, int) { n += c_.isTet(cell) ? 3 : 4; });
+  return n;
 }
 
 }  // namespace octet

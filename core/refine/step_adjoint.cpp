@@ -68,6 +68,27 @@ void StepAdjoint::regularEdgeRow(Index e, double weight, const Add& add) const {
                     });
 }
 
+void StepAdjoint::addVertex(Index v, double weight, RowSum* sum) const {
+  const ChildOf vertex = c_.children().vertex(v);
+  switch (vertex.origin) {
+    case Origin::Vertex:
+      sum->add(vertex.parent, weight);
+      break;
+    case Origin::Edge:
+      for (const Index end : c_.edges[vertex.parent]) sum->add(end, weight / 2);
+      break;
+    default:
+      for (const Index corner : c_.octs[vertex.parent]) sum->add(corner, weight / 6);
+  }
+  if (!smoothing_) return;
+  const auto derivative = [&](Index e, double w) {
+    sum->add(c_.edges[e][0], w);
+    sum->add(c_.edges[e][1], -w);
+  };
+  smoothing_->vertexRow(v, weight, derivative);
+  smoothing_->moveRow(v, weight, derivative);
+}
+
 void StepAdjoint::addEdge(Index e, double weight, RowSum* sum) const {
   const auto add = [&](Index k, double w) { sum->add(k, w); };
   const auto addLinear = [&](Index fine, double w) { linearRow<1>(c_, linear_, fine, w, add); };
@@ -79,6 +100,8 @@ void StepAdjoint::addEdge(Index e, double weight, RowSum* sum) const {
     smoothing_->vertexRow(f_.edges[e][0], weight, add);
     smoothing_->vertexRow(f_.edges[e][1], -weight, add);
   }
+  smoothing_->moveRow(f_.edges[e][0], weight, add);
+  smoothing_->moveRow(f_.edges[e][1], -weight, add);
   smoothing_->edgeRow(e, correction_, -weight, [&](Index facet, double w) {
     for (const EdgeRef& ref : c_.facetEdges[facet]) add(ref.index(), w * ref.sign());
   });

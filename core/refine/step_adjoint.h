@@ -11,10 +11,10 @@ namespace octet {
 
 class Refiner;
 
-/// @brief Rows of one subdivision step S_k, k = 1 or 2: how a coefficient on the fine level depends
-/// on those of the coarse one (SCHEME.md sections 4 to 8), composed of the rules' own rows. Agrees
-/// with the step to rounding, on every mesh and in both boundary modes. Thread safe; refers to what
-/// it is made from.
+/// @brief Rows of one subdivision step S_k, k = 0, 1 or 2: how a coefficient on the fine level
+/// depends on those of the coarse one (SCHEME.md sections 4 to 8), composed of the rules' own rows.
+/// Agrees with the step to rounding, on every mesh and in both boundary modes. Thread safe; refers
+/// to what it is made from.
 class StepAdjoint {
  public:
   /// @param smoothing  null: linear subdivision
@@ -24,6 +24,8 @@ class StepAdjoint {
   const Complex& coarse() const { return c_; }
   const Complex& fine() const { return f_; }
 
+  /// The row of a fine vertex over coarse vertices.
+  void addVertex(Index fineVertex, double weight, RowSum* sum) const;
   /// The row of a fine edge over coarse edges.
   void addEdge(Index fineEdge, double weight, RowSum* sum) const;
   /// The row of a fine facet over coarse facets.

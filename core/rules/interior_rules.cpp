@@ -26,6 +26,9 @@ constexpr double kWorstCondition = 1e8;
 /// An embedded star shows m all its outer facets from one side, none of them nearly edge-on.
 constexpr double kEdgeOn = 1e-9;
 
+/// Singular values below this, relative to the largest, are nothing.
+constexpr double kFlat = 1e-9;
+
 using Triangle = std::array<int, 3>;
 
 /// The facets of a star that avoid m, as one consistently oriented surface.
@@ -65,6 +68,31 @@ std::vector<Triangle> outerFacets(const Star& star) {
     }
   }
   return facets;
+}
+
+/// Do functions on a star, as coordinates relative to m, show m all its outer facets from one side?
+/// False where they do not span three dimensions.
+bool embeds(Eigen::MatrixXd functions, const std::vector<Triangle>& facets) {
+  const Eigen::RowVectorXd centre = functions.row(0);
+  functions.rowwise() -= centre;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(functions, Eigen::ComputeThinU);
+  const auto& sizes = svd.singularValues();
+  if (sizes.size() < 3 || sizes[2] < kFlat * sizes[0]) return false;
+  if (sizes.size() > 3 && sizes[3] > kFlat * sizes[0]) return false;
+  const Eigen::MatrixXd places = svd.matrixU().leftCols(3);
+  std::vector<double> sides;
+  double sum = 0;
+  for (const Triangle& t : facets) {
+    Eigen::Matrix3d corners;
+    for (int k = 0; k < 3; ++k) corners.row(k) = places.row(t[static_cast<std::size_t>(k)]);
+    sides.push_back(corners.determinant());
+    sum += sides.back();
+  }
+  if (sum < 0) {
+    for (double& side : sides) side = -side;
+  }
+  const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
+  return *least > kEdgeOn * *most;
 }
 
 /// Eigenvalues of equal modulus.
@@ -162,24 +190,7 @@ class Assignment {
     for (std::size_t k = 0; k < columns.size(); ++k) {
       all.col(static_cast<Eigen::Index>(k)) = columns[k];
     }
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(all, Eigen::ComputeThinU);
-    Eigen::MatrixXd places = svd.matrixU().leftCols(3);
-    const Eigen::RowVector3d centre = places.row(0);
-    places.rowwise() -= centre;
-    double sum = 0, least = 0, most = 0;
-    std::vector<double> sides;
-    for (const Triangle& t : facets_) {
-      Eigen::Matrix3d corners;
-      for (int k = 0; k < 3; ++k) corners.row(k) = places.row(t[static_cast<std::size_t>(k)]);
-      sides.push_back(corners.determinant());
-      sum += sides.back();
-    }
-    least = most = sides[0] * (sum < 0 ? -1 : 1);
-    for (const double side : sides) {
-      least = std::min(least, side * (sum < 0 ? -1 : 1));
-      most = std::max(most, side * (sum < 0 ? -1 : 1));
-    }
-    return least > kEdgeOn * most;
+    return octet::embeds(all, facets_);
   }
 
   /// Between the last cluster that is touched and the one after it.
@@ -267,24 +278,35 @@ LineMoves lineMoves(int n) {
     const double rho = 2 * k == n ? 0 : h / 24 / (value - q);
     const double wanted = k == 1 ? kLeading : std::min(value, kOthers);
     const double scale = (2 * k == n ? 1.0 : 2.0) / n * (wanted - value);
-    for (int j = 0; j < n; ++j) {
+    for (int j = 0; 2 * j <= n; ++j) {
       moves.ring[static_cast<std::size_t>(j)] += scale / 2 * std::cos(theta * j);
       moves.beyond[static_cast<std::size_t>(j)] += scale * rho * std::cos(theta * (j + 0.5));
     }
   }
+  // The other half is the same, bit for bit, so that no start or direction is preferred.
+  for (int j = 1; j < n; ++j) {
+    const auto at = static_cast<std::size_t>(j), back = static_cast<std::size_t>(n - j);
+    if (2 * j > n) moves.ring[at] = moves.ring[back];
+    if (2 * j >= n) moves.beyond[at] = moves.beyond[back - 1];
+  }
   return moves;
 }
 
-std::optional<Eigen::MatrixXd> interiorStarMoves(const InteriorStar& interior) {
+InteriorRule interiorRule(const InteriorStar& interior) {
   const Star& star = interior.star;
-  const Eigen::MatrixXd matrix = starMatrix(star);
+  Eigen::MatrixXd matrix = starMatrix(star);
   std::vector<Eigen::Index> movable;
   for (int label = 1; label < star.vertexCount; ++label) {
     const bool onAxis = interior.onLine && (label == interior.axis[0] || label == interior.axis[1]);
     if (!onAxis && adjacentToCentre(star, label)) movable.push_back(label);
   }
-  if (interior.onLine) return evenMoves(interior, matrix, movable);
-  return Assignment(matrix, movable, 3, outerFacets(star)).moves();
+  const std::vector<Triangle> facets = outerFacets(star);
+  InteriorRule rule;
+  rule.moves = interior.onLine ? evenMoves(interior, matrix, movable)
+                               : Assignment(matrix, movable, 3, facets).moves();
+  if (rule.moves) matrix += *rule.moves;
+  rule.folds = !embeds(invariantSubspace(matrix, (kLeading + kOthers) / 2), facets);
+  return rule;
 }
 
 }  // namespace octet

@@ -31,9 +31,17 @@ struct LineMoves {
 };
 LineMoves lineMoves(int tetrahedra);
 
-/// Computes the moves of any other irregular star by assigning its matrix' eigenvalues; none where
-/// the section's conditions are not met. Rows sum to zero; only rows of vertices adjacent to m and
-/// off the axis are filled.
-std::optional<Eigen::MatrixXd> interiorStarMoves(const InteriorStar& star);
+/// @brief Holds the rule of any other irregular star.
+struct InteriorRule {
+  /// None where the section's conditions are not met. Rows sum to zero; only rows of vertices
+  /// adjacent to m and off the axis are filled.
+  std::optional<Eigen::MatrixXd> moves;
+  /// Does the shape that subdivision brings the star to, up to an affine map, fold? Then cells
+  /// beside m are turned over at fine levels, whatever the control positions.
+  bool folds = false;
+};
+
+/// Computes the rule of a star by assigning its matrix' eigenvalues.
+InteriorRule interiorRule(const InteriorStar& star);
 
 }  // namespace octet

@@ -10,8 +10,8 @@ namespace octet {
 /// close up (every vertex at one point, every point with one vertex). Fills `cellRegions` and
 /// `cellFrames`; children inherit them. Purely combinatorial, so any embedding of a lattice counts.
 ///
-/// Where a component does not close up, its cells are taken in order: each one alone, until what is
-/// left of the component closes up. Needs `tets`, `octs`, `facetCells` and `cellFacets`.
+/// Where a component does not close up, each of its cells is a region of its own, so that nothing
+/// depends on the numbering. Needs `tets`, `octs`, `facetCells` and `cellFacets`.
 void findLatticeRegions(Complex* complex);
 
 }  // namespace octet

@@ -6,6 +6,7 @@
 #include <map>
 
 #include <octet/core/cage/quality.h>
+#include <octet/core/refine/irregular_stars.h>
 #include <octet/core/topology/boundary.h>
 #include <octet/core/topology/domain_box.h>
 
@@ -57,6 +58,9 @@ Json describeMesh(const ControlMesh& mesh) {
     ++boundaryValences[boundary.valence(row)];
     if (boundary.kinds[row] == BoundaryKind::Corner) ++corners;
   }
+  const IrregularStars stars(c);
+  std::int64_t folding = 0;
+  for (Index v = 0; v < c.vertexCount(); ++v) folding += starFolds(stars, v);
   double volume = 0;
   for (Index cell = 0; cell < c.cellCount(); ++cell) {
     volume += std::abs(cellVolume6(c, mesh.positions(), cell)) / 6;
@@ -71,6 +75,7 @@ Json describeMesh(const ControlMesh& mesh) {
                  {"creases", creases},
                  {"corners", corners},
                  {"vertex_types", types},
+                 {"folding_stars", folding},
                  {"interior_edge_valences", histogram(edgeValences)},
                  {"boundary_valences", histogram(boundaryValences)},
                  {"volume", volume},

