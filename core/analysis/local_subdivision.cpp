@@ -75,7 +75,8 @@ class LocalSubdivision::Generic {
     coarseBoundary_ = Boundary(*coarse_, star.corners(), &control);
     boundary_ = Boundary(*fine_, star.corners(), &coarseBoundary_);
     sites_ = LatticeSites(*fine_);
-    smoothing_ = std::make_unique<Smoothing>(*fine_, boundary_, sites_, kernels_, &scratch_);
+    smoothing_ = std::make_unique<Smoothing>(*fine_, boundary_, coarseBoundary_, sites_, kernels_,
+                                             &scratch_);
   }
 
   /// Gives the star the positions that the patch test is to look at.

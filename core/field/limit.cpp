@@ -20,6 +20,14 @@ constexpr double kMeanToLimit = 2.0 / 3;
 /// Limit masks of the cubic B-spline, on a crease.
 constexpr double kCreaseLimitSelf = 2.0 / 3, kCreaseLimitNeighbour = 1.0 / 6;
 
+/// The weight of each neighbour in the limit of a smooth wall vertex of valence n: the left
+/// eigenvector of Loop's rule (SCHEME.md section 8) or, from the second split on, of section 8b's.
+double wallWeight(const Refiner& refiner, int n) {
+  const double loop = loopBeta(n);
+  if (refiner.boundaryRows() != BoundaryRows::Smooth) return 1 / (3 / (8 * loop) + n);
+  return refiner.levels() == 0 ? loop / 2 + 5.0 / (16 * n) : 1.0 / (2 * n);
+}
+
 /// Directions in which a wall's normals spread less than this (as a squared sine) are along it.
 constexpr double kFlatWall = 0.05;
 
@@ -123,8 +131,7 @@ double Limit::valueAt(Index v, const At& at) const {
     if (boundary.kinds[row] == BoundaryKind::Crease) {
       return kCreaseLimitSelf * own + kCreaseLimitNeighbour * sum;
     }
-    const int n = boundary.valence(row);
-    const double weight = 1 / (3 / (8 * loopBeta(n)) + n);
+    const double weight = wallWeight(refiner_, boundary.valence(row));
     return (1 - n * weight) * own + weight * sum;
   }
   double mean = 0;

@@ -2,9 +2,7 @@
 #include "flux_stars.h"
 
 #include <array>
-#include <map>
 #include <optional>
-#include <set>
 
 namespace octet {
 namespace {
@@ -29,8 +27,11 @@ class TwinNames {
     names_[0] = centre_;
     for (int j = 0; j < 6; ++j) names_[kRing + j] = ring_[static_cast<std::size_t>(j)];
     if (!nameTetrahedra() || !nameOctahedra()) return std::nullopt;
-    const std::set<Index> distinct(names_.begin(), names_.end());
-    return distinct.size() == kTwinLabels ? std::make_optional(names_) : std::nullopt;
+    std::array<Index, kTwinLabels> sorted;
+    std::copy(names_.begin(), names_.end(), sorted.begin());
+    std::sort(sorted.begin(), sorted.end());
+    const bool distinct = std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+    return distinct ? std::make_optional(names_) : std::nullopt;
   }
 
  private:
@@ -41,18 +42,17 @@ class TwinNames {
   };
 
   void listTwinFacets() {
-    std::set<Index> seen;
     c_.visitVertexStar(centre_, [&](const CellAtVertex& at) {
       for (int k = 0; k < c_.cellFacetCount(at.cell); ++k) {
         const Index facet = c_.cellFacet(at.cell, k).index();
-        const auto t = c_.facetVertices(facet);
-        const auto where = std::find(t.begin(), t.end(), centre_);
-        if (where == t.end() || !seen.insert(facet).second) continue;
         const auto& sides = c_.facetCells[facet];
-        if (!sides[0].exists() || !sides[1].exists() ||
-            c_.isTet(sides[0].cell()) != c_.isTet(sides[1].cell())) {
+        if (!sides[0].exists() || !sides[1].exists() || sides[0].cell() != at.cell ||
+            c_.isTet(at.cell) != c_.isTet(sides[1].cell())) {
           continue;
         }
+        const auto t = c_.facetVertices(facet);
+        const auto where = std::find(t.begin(), t.end(), centre_);
+        if (where == t.end()) continue;
         const auto p = static_cast<std::size_t>(where - t.begin());
         facets_.push_back({{t[(p + 1) % 3], t[(p + 2) % 3]}, {sides[0].cell(), sides[1].cell()}});
       }
@@ -156,37 +156,43 @@ class TwinNames {
 
 }  // namespace
 
-/// @brief Finds the fine edges in the places of a star's edges, and its coarse facets, by labels.
+/// @brief Finds a pattern's simplices in a star: the fine edges in the places of the star's edges,
+/// and its coarse facets.
 class FluxStars::Finder {
  public:
-  Finder(const Complex& coarse, const Complex& fine, const std::vector<Index>& vertices)
-      : coarse_(coarse), fine_(fine), vertices_(vertices) {
-    coarse.visitVertexStar(vertices[0], [&](const CellAtVertex& at) { addCell(at); });
-  }
+  Finder(const FluxPattern& pattern, const Complex& coarse, const Complex& fine)
+      : pattern_(pattern), coarse_(coarse), fine_(fine) {}
 
-  /// The fine edge in the place of a star edge, as seen from its first label to its second.
-  std::optional<Oriented> edge(const std::array<std::uint8_t, 2>& labels) const {
-    const auto found = edges_.find(labels);
-    if (found == edges_.end()) return std::nullopt;
-    return Oriented(found->second.index(), found->second.reversed());
-  }
-  std::optional<Oriented> facet(const std::array<std::uint8_t, 3>& labels) const {
-    const auto found = facets_.find(labels);
-    if (found == facets_.end()) return std::nullopt;
-    return found->second;
+  /// False where cells share more than a facet, so that the star is not the pattern's.
+  /// @param vertices  by label
+  bool find(const std::vector<Index>& vertices, Oriented* edges, Oriented* facets) const {
+    std::fill(edges, edges + pattern_.edges.size(), Oriented());
+    std::fill(facets, facets + pattern_.facets.size(), Oriented());
+    coarse_.visitVertexStar(vertices[0],
+                            [&](const CellAtVertex& at) { addCell(at, vertices, edges, facets); });
+    const auto found = [](const Oriented& simplex) { return simplex.found(); };
+    return std::all_of(edges, edges + pattern_.edges.size(), found) &&
+           std::all_of(facets, facets + pattern_.facets.size(), found);
   }
 
  private:
-  void addCell(const CellAtVertex& at) {
+  void addCell(const CellAtVertex& at, const std::vector<Index>& vertices, Oriented* edges,
+               Oriented* facets) const {
     const Index child = coarse_.children().cornerChild(at.cell, at.place);
     const int count = coarse_.cellVertexCount(at.cell);
+    const auto labelOf = [&](Index vertex) {
+      return static_cast<std::uint8_t>(std::find(vertices.begin(), vertices.end(), vertex) -
+                                       vertices.begin());
+    };
     std::array<std::uint8_t, 6> labels{};
     for (int k = 0; k < count; ++k) labels[k] = labelOf(coarse_.cellVertex(at.cell, k));
     for (int i = 0; i < count; ++i) {
       for (int j = 0; j < count; ++j) {
         if (labels[i] >= labels[j] || (count == 6 && Octahedron::opposite[i] == j)) continue;
-        edges_.emplace(std::array<std::uint8_t, 2>{labels[i], labels[j]},
-                       fine_.cellEdge(child, i, j));
+        const int number = numberIn(pattern_.edges, {labels[i], labels[j]});
+        if (number < 0 || edges[number].found()) continue;
+        const EdgeRef edge = fine_.cellEdge(child, i, j);
+        edges[number] = Oriented(edge.index(), edge.reversed());
       }
     }
     for (int k = 0; k < coarse_.cellFacetCount(at.cell); ++k) {
@@ -199,24 +205,26 @@ class FluxStars::Finder {
         for (int j = i + 1; j < 3; ++j) reversed ^= ordered[i] > ordered[j];
       }
       std::sort(ordered.begin(), ordered.end());
-      facets_.emplace(ordered, Oriented(facet, reversed));
+      const int number = numberIn(pattern_.facets, ordered);
+      if (number >= 0) facets[number] = Oriented(facet, reversed);
     }
   }
 
-  std::uint8_t labelOf(Index vertex) const {
-    return static_cast<std::uint8_t>(std::find(vertices_.begin(), vertices_.end(), vertex) -
-                                     vertices_.begin());
+  /// The place of labels in a sorted list, or -1.
+  template <typename Labels>
+  static int numberIn(const std::vector<Labels>& list, const Labels& labels) {
+    const auto found = std::lower_bound(list.begin(), list.end(), labels);
+    return found != list.end() && *found == labels ? static_cast<int>(found - list.begin()) : -1;
   }
 
+  const FluxPattern& pattern_;
   const Complex& coarse_;
   const Complex& fine_;
-  const std::vector<Index>& vertices_;
-  std::map<std::array<std::uint8_t, 2>, EdgeRef> edges_;
-  std::map<std::array<std::uint8_t, 3>, Oriented> facets_;
 };
 
 FluxStars::FluxStars(const IrregularStars& stars, const Complex& fine) {
   const Complex& coarse = stars.complex();
+  std::vector<Named> found;
   for (const LineStar& line : stars.lines()) {
     const LineNames names = stars.names(line);
     const FluxPattern& pattern = lineFluxes(names.size());
@@ -226,7 +234,7 @@ FluxStars::FluxStars(const IrregularStars& stars, const Complex& fine) {
                          [&](Index v) { return stars.kind(v) == StarKind::Plain; });
     };
     if (!plain(names.upper) || !plain(names.lower) || !plain(names.beyond)) continue;
-    add(pattern, coarse, fine, names.list());
+    found.push_back({&pattern, names.list()});
   }
   // Vertices in a facet between two cells of one kind; regular ones have none such.
   std::vector<Index> candidates;
@@ -239,36 +247,48 @@ FluxStars::FluxStars(const IrregularStars& stars, const Complex& fine) {
   parallelFor<std::size_t>(
       candidates.size(), [&](std::size_t k) { twins[k] = TwinNames(coarse, candidates[k]).find(); },
       64);
-  for (const auto& names : twins) {
-    if (names) add(twinFluxes(), coarse, fine, *names);
+  for (auto& names : twins) {
+    if (names) found.push_back({&twinFluxes(), std::move(*names)});
   }
+  add(found, coarse, fine);
   index();
 }
 
-void FluxStars::add(const FluxPattern& pattern, const Complex& coarse, const Complex& fine,
-                    const std::vector<Index>& vertices) {
-  const Finder finder(coarse, fine, vertices);
-  std::vector<Oriented> edges, facets;
-  for (const auto& labels : pattern.edges) {
-    const auto edge = finder.edge(labels);
-    if (!edge) return;  // cells that share more than a facet: not the star of the pattern
-    edges.push_back(*edge);
+void FluxStars::add(const std::vector<Named>& found, const Complex& coarse, const Complex& fine) {
+  std::size_t edges = 0, facets = 0;
+  for (const Named& star : found) {
+    stars_.push_back({star.pattern, edges, facets});
+    edges += star.pattern->edges.size();
+    facets += star.pattern->facets.size();
   }
-  for (const auto& labels : pattern.facets) {
-    const auto facet = finder.facet(labels);
-    if (!facet) return;
-    facets.push_back(*facet);
+  edges_.resize(edges);
+  facets_.resize(facets);
+  std::vector<char> matches(found.size());
+  parallelFor<std::size_t>(
+      found.size(),
+      [&](std::size_t k) {
+        const Finder finder(*found[k].pattern, coarse, fine);
+        matches[k] = finder.find(found[k].vertices, edges_.data() + stars_[k].firstEdge,
+                                 facets_.data() + stars_[k].firstFacet);
+      },
+      64);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (matches[k]) stars_[kept++] = stars_[k];
   }
-  stars_.push_back({&pattern, edges_.size(), facets_.size()});
-  edges_.insert(edges_.end(), edges.begin(), edges.end());
-  facets_.insert(facets_.end(), facets.begin(), facets.end());
+  stars_.resize(kept);
 }
 
 void FluxStars::index() {
-  places_.resize(edges_.size());
-  parallelFor<std::size_t>(edges_.size(), [&](std::size_t k) {
-    places_[k] = {edges_[k].index(), static_cast<std::uint32_t>(k)};
-  });
+  std::size_t count = 0;
+  for (const Entry& star : stars_) count += star.pattern->edges.size();
+  places_.resize(count);
+  count = 0;
+  for (const Entry& star : stars_) {
+    for (std::size_t k = star.firstEdge; k < star.firstEdge + star.pattern->edges.size(); ++k) {
+      places_[count++] = {edges_[k].index(), static_cast<std::uint32_t>(k)};
+    }
+  }
   std::sort(places_.begin(), places_.end());
 }
 

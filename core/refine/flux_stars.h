@@ -37,16 +37,23 @@ class FluxStars {
   };
   /// A simplex as the pattern orients it.
   struct Oriented {
-    std::uint32_t code;
+    std::uint32_t code = kUnknown;
+    Oriented() = default;
     Oriented(Index index, bool reversed)
         : code(static_cast<std::uint32_t>(index) << 1 | static_cast<std::uint32_t>(reversed)) {}
     Index index() const { return static_cast<Index>(code >> 1); }
     double sign() const { return code & 1u ? -1 : 1; }
+    bool found() const { return code != kUnknown; }
+    static constexpr std::uint32_t kUnknown = 0xffffffffu;
   };
   class Finder;
 
-  void add(const FluxPattern& pattern, const Complex& coarse, const Complex& fine,
-           const std::vector<Index>& vertices);
+  /// A star that has a pattern, and its vertices by label.
+  struct Named {
+    const FluxPattern* pattern;
+    std::vector<Index> vertices;
+  };
+  void add(const std::vector<Named>& found, const Complex& coarse, const Complex& fine);
   void index();
 
   std::vector<Entry> stars_;

@@ -87,8 +87,8 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options, const C
     fine->positions.resize(fine->complex->vertexCount());
     if (options.smooth) {
       fine->smoothing =
-          std::make_unique<Smoothing>(*fine->complex, fine->boundary, fine->sites, *kernels_,
-                                      scratch_.get(), options.boundaryRows);
+          std::make_unique<Smoothing>(*fine->complex, fine->boundary, coarse.boundary, fine->sites,
+                                      *kernels_, scratch_.get(), options.boundaryRows);
     }
     progress.report(LevelProgress::kSmoothing);
     Array<double> before(coarse.complex->vertexCount()), linear(fine->complex->vertexCount()),

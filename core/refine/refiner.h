@@ -22,7 +22,7 @@ struct RefinerOptions {
   double zeta = kDefaultZeta;  ///< free weight of the octahedron's linear rule (LinearRules)
   bool smooth = true;          ///< false: linear (Whitney) subdivision only; positions stay put
   bool patchTest = true;       ///< false: without the correction for constant fluxes
-  BoundaryRows boundaryRows = BoundaryRows::Surface;  ///< Star needs patchTest = false
+  BoundaryRows boundaryRows = BoundaryRows::Smooth;  ///< Star needs patchTest = false
 };
 
 /// @brief Subdivides a control mesh and the forms on it (SCHEME.md sections 3 to 8).
@@ -53,6 +53,7 @@ class Refiner {
   double zeta() const { return options_.zeta; }
   /// Smooth subdivision, not just linear?
   bool smooth() const { return options_.smooth; }
+  BoundaryRows boundaryRows() const { return options_.boundaryRows; }
 
   /// One step: coefficients on level `level` + 1 from those on `level`.
   template <int K>

@@ -3,6 +3,7 @@
 
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
+#include "wall_moves.h"
 
 namespace octet {
 namespace {
@@ -96,8 +97,9 @@ LocalRows moveRows(const std::vector<VertexMove>& moves) {
 
 }  // namespace
 
-Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const LatticeSites& sites,
-                     const CellKernels& kernels, ScratchPool* scratch, BoundaryRows rows)
+Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const Boundary& coarseBoundary,
+                     const LatticeSites& sites, const CellKernels& kernels, ScratchPool* scratch,
+                     BoundaryRows rows)
     : c_(*fine.coarse),
       f_(fine),
       boundary_(boundary),
@@ -107,7 +109,15 @@ Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const Lattic
       rows_(rows),
       stars_(c_) {
   const IrregularStars irregular(c_);
-  const std::vector<VertexMove> moves = interiorMoves(irregular);
+  std::vector<VertexMove> moves = interiorMoves(irregular);
+  // Stars of a control mesh overlap at walls, and would disturb each other.
+  if (rows == BoundaryRows::Smooth && c_.coarse) {
+    const std::vector<VertexMove> atWalls = wallMoves(c_, coarseBoundary);
+    moves.insert(moves.end(), atWalls.begin(), atWalls.end());
+    std::stable_sort(moves.begin(), moves.end(), [](const VertexMove& a, const VertexMove& b) {
+      return a.fineVertex < b.fineVertex;
+    });
+  }
   moves_ = moveRows(moves);
   fluxes_ = FluxStars(irregular, f_);
   vertices_.assign(f_.vertexCount(), 0);
@@ -228,7 +238,7 @@ void Smoothing::edgeRows(const double* coarseFacets, const Correction& correctio
   };
   stars_.edges(scratch_, fill, out);
   if (patchTest) patchTest->finish(correction.mode, coarseFacets, out);
-  if (rows_ == BoundaryRows::Surface) boundary_.edgeRows().addTo(coarseFacets, out);
+  if (rows_ != BoundaryRows::Star) boundary_.edgeRows().addTo(coarseFacets, out);
   fluxes_.apply(coarseFacets, out);
 }
 

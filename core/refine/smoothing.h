@@ -22,8 +22,8 @@ struct Correction {
 
 /// @brief The smoothing operators M0..M3 on one level (SCHEME.md sections 5 to 8): averages over
 /// lattice translates on regular simplices, the homotopy M = I - d D - D d elsewhere, on the wall
-/// surface by rows that stay there. Irregular interior stars add rows H1 and H2 of their own to
-/// D1 L1 and D2 L2.
+/// surface by rows that stay there. Irregular stars add rows H1 and H2 of their own to D1 L1 and
+/// D2 L2.
 ///
 /// Only those are stored: rules read the lattice sites and the coarse cells. Whatever the local
 /// choices of D are, the operators commute with d. `coarse` arguments are coefficients on the
@@ -31,9 +31,10 @@ struct Correction {
 /// boundary, sites, kernels and scratch pool, which must outlive it.
 class Smoothing {
  public:
-  Smoothing(const Complex& fine, const Boundary& boundary, const LatticeSites& sites,
-            const CellKernels& kernels, ScratchPool* scratch,
-            BoundaryRows rows = BoundaryRows::Surface);
+  /// @param coarseBoundary  of the level that `fine` was split from
+  Smoothing(const Complex& fine, const Boundary& boundary, const Boundary& coarseBoundary,
+            const LatticeSites& sites, const CellKernels& kernels, ScratchPool* scratch,
+            BoundaryRows rows = BoundaryRows::Smooth);
 
   void apply0(const double* coarse, const double* linear, double* out) const;
   void apply1(const double* coarse, const double* linear, const Correction& correction,
@@ -154,7 +155,7 @@ void Smoothing::edgeRow(Index e, const Correction& correction, double weight,
       linearRow<2>(c_, kernels_.linear, facet, w, add);
     });
   }
-  if (rows_ == BoundaryRows::Surface) boundary_.edgeRows().row(e, weight, add);
+  if (rows_ != BoundaryRows::Star) boundary_.edgeRows().row(e, weight, add);
   fluxes_.row(e, weight, add);
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "../base/sort_unique.h"
 #include "star_flux_tables.h"
 
 namespace octet {
@@ -53,13 +54,16 @@ class PatternBuilder {
 
   FluxPattern take() const {
     FluxPattern pattern;
-    std::map<std::array<std::uint8_t, 3>, std::uint16_t> numbers;
+    for (const auto& [edge, row] : rows_) {
+      for (const auto& [facet, weight] : row) pattern.facets.push_back(facet);
+    }
+    sortUnique(&pattern.facets);
     for (const auto& [edge, row] : rows_) {
       for (const auto& [facet, weight] : row) {
-        const auto number = static_cast<std::uint16_t>(pattern.facets.size());
-        if (numbers.emplace(facet, number).second) pattern.facets.push_back(facet);
-        pattern.terms.push_back(
-            {static_cast<std::uint16_t>(pattern.edges.size()), numbers[facet], weight});
+        const auto number = std::lower_bound(pattern.facets.begin(), pattern.facets.end(), facet) -
+                            pattern.facets.begin();
+        pattern.terms.push_back({static_cast<std::uint16_t>(pattern.edges.size()),
+                                 static_cast<std::uint16_t>(number), weight});
       }
       pattern.edges.push_back(edge);
     }

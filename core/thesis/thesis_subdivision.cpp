@@ -219,7 +219,7 @@ class Expanding : public ThesisSubdivision {
  private:
   static RefinerOptions plain(RefinerOptions options) {
     options.patchTest = true;
-    options.boundaryRows = BoundaryRows::Surface;
+    options.boundaryRows = BoundaryRows::Loop;
     return options;
   }
   /// What of the expanded mesh's finest level is the mesh's own.
