@@ -38,4 +38,9 @@ inline std::vector<std::pair<std::string, BoundaryChoice>> boundaryChoices(bool 
   return named;
 }
 
+/// The names by which they choose the wall's surface.
+inline std::vector<std::pair<std::string, BoundaryRows>> wallSurfaceChoices() {
+  return {{"smooth", BoundaryRows::Smooth}, {"loop", BoundaryRows::Loop}};
+}
+
 }  // namespace octet

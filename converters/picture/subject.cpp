@@ -119,6 +119,7 @@ Subject assetSubject(const ControlAsset& asset, const AssetSubjectOptions& optio
   RefinerOptions refinement;
   refinement.levels = chooseLevels(*asset.mesh.complex(), options.levels);
   refinement.zeta = options.zeta;
+  refinement.boundaryRows = options.wallSurface;
   const auto subdivision = options.boundary.subdivide(asset.mesh, refinement, context.sub(0.6));
   const Subdivision& refiner = *subdivision;
   const Array<Vec3>& positions = options.reconstruction == Reconstruction::Limit

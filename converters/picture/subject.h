@@ -49,6 +49,7 @@ struct AssetSubjectOptions {
   std::optional<int> levels;  ///< subdivisions; absent: as many as stay below 100,000 cells
   int meshLevel = 1;          ///< level whose boundary edges are the mesh; at most `levels`
   BoundaryChoice boundary{};
+  BoundaryRows wallSurface = BoundaryRows::Smooth;  ///< of the scheme's own rule
   Reconstruction reconstruction = Reconstruction::Limit;
   double zeta = kDefaultZeta;
 };

@@ -70,7 +70,7 @@ BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std
                 const Context& context) {
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
-  const auto resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta, context));
+  const auto resolution = planResolution(options, findMeshFacts(asset.mesh, options, context));
   checkMemory(resolution, memoryLimit());
   const auto files = filesOf(choice, path);
   const FormBaker baker(asset.mesh, options, resolution.levels, context.sub(0.3));
@@ -105,11 +105,12 @@ BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
   BakeForecast forecast;
-  forecast.resolution = planResolution(options, findMeshFacts(asset.mesh, options.zeta, context));
+  forecast.resolution = planResolution(options, findMeshFacts(asset.mesh, options, context));
   forecast.memory = memoryLimit();
   forecast.note = target.note;
   RefinerOptions unrefined;
   unrefined.levels = 0;
+  unrefined.boundaryRows = options.wallSurface;
   const auto unrefinedMesh = options.boundary.subdivide(asset.mesh, unrefined, context);
   const BakeFacts facts{asset.units.upAxis, forecast.resolution,
                         describe(*unrefinedMesh, forecast.resolution.fineEdge)};

@@ -16,10 +16,11 @@ constexpr double kCancelled = 1e-14;
 
 }  // namespace
 
-MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta, const Context& context) {
+MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake, const Context& context) {
   RefinerOptions options;
   options.levels = 1;
-  options.zeta = zeta;
+  options.zeta = bake.zeta;
+  options.boundaryRows = bake.wallSurface;
   context.poll();  // one level is quick, and not of what is reported
   const Refiner refiner(mesh, options);
   const Limit limit(refiner);

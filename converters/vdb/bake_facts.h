@@ -6,7 +6,8 @@
 namespace octet {
 
 /// Refines a mesh once to see what the levels after it will be like.
-MeshFacts findMeshFacts(const ControlMesh& mesh, double zeta, const Context& context = {});
+MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake,
+                        const Context& context = {});
 
 /// Tells what a subdivision can do. @param fineEdge  mean edge of the finest level
 RefinementFacts describe(const Subdivision& subdivision, double fineEdge);

@@ -28,6 +28,7 @@ struct BakeOptions {
   int resolution = 0;              ///< voxels along the domain's longest side
   std::optional<int> levels;       ///< subdivisions; absent: until the mean edge is <= 2 voxels
   BoundaryChoice boundary{};
+  BoundaryRows wallSurface = BoundaryRows::Smooth;  ///< of the scheme's own rule
   Sampling sampling = Sampling::Collocated;
   Reconstruction reconstruction = Reconstruction::Limit;
   std::string target = "openvdb";

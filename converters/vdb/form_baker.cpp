@@ -15,6 +15,7 @@ FormBaker::FormBaker(const ControlMesh& mesh, const BakeOptions& options, int le
   RefinerOptions refinerOptions;
   refinerOptions.levels = levels;
   refinerOptions.zeta = options.zeta;
+  refinerOptions.boundaryRows = options.wallSurface;
   refinement_ = options.boundary.subdivide(mesh, refinerOptions, context);
 }
 
@@ -99,6 +100,7 @@ VdbGridSpec FormBaker::gridSpec(const BakePlan& plan) const {
                    {"octet_unit", plan.unit},
                    {"octet_levels", static_cast<std::int32_t>(plan.resolution.levels)},
                    {"octet_boundary", boundaryWord(plan.boundaryRule, plan.mode)},
+                   {"octet_wall_surface", std::string(wallSurfaceWord(options_.wallSurface))},
                    {"octet_reconstruction", std::string(limit ? "limit" : "whitney")}};
   return spec;
 }

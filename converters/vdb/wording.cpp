@@ -98,4 +98,8 @@ std::string boundaryWord(const std::string& rule, BoundaryMode mode) {
   return mode == BoundaryMode::Walls ? "walls" : "open";
 }
 
+const char* wallSurfaceWord(BoundaryRows rows) {
+  return rows == BoundaryRows::Loop ? "loop" : "smooth";
+}
+
 }  // namespace octet

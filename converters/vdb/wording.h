@@ -24,4 +24,7 @@ const char* methodName(GridMethod method);
 /// Names how a form meets the boundary: its mode, or the subdivision's own rule, if it has one.
 std::string boundaryWord(const std::string& rule, BoundaryMode mode);
 
+/// The wall's surface: "smooth" or "loop".
+const char* wallSurfaceWord(BoundaryRows rows);
+
 }  // namespace octet

@@ -76,7 +76,7 @@ class LocalSubdivision::Generic {
     boundary_ = Boundary(*fine_, star.corners(), &coarseBoundary_);
     sites_ = LatticeSites(*fine_);
     smoothing_ = std::make_unique<Smoothing>(*fine_, boundary_, coarseBoundary_, sites_, kernels_,
-                                             &scratch_);
+                                             &scratch_, options.boundaryRows);
   }
 
   /// Gives the star the positions that the patch test is to look at.

@@ -12,6 +12,7 @@ struct LocalSubdivisionOptions {
   double zeta = kDefaultZeta;
   BoundaryMode mode = BoundaryMode::Walls;
   bool patchTest = true;  ///< with the correction that makes constant fluxes exact
+  BoundaryRows boundaryRows = BoundaryRows::Smooth;  ///< not Star
   /// Let the star take the shape that subdivision brings it to, up to an affine map: what the
   /// eigenvalues describe is then the same at every finer level. false: its shape as it is.
   bool settle = true;

@@ -144,6 +144,7 @@ void run(Arguments& arguments) {
   RefinerOptions options;
   options.levels = arguments.level;
   options.zeta = arguments.options.zeta;
+  options.boundaryRows = arguments.options.boundaryRows;
   const Refiner refiner(asset.mesh, options, consoleContext());
   arguments.options.settle = !arguments.asItIs;
   arguments.options.patchTest = !arguments.withoutPatchTest;
@@ -198,6 +199,7 @@ void addAnalyse(CLI::App* program) {
   addChoice<BoundaryMode>(command, "--boundary", &arguments->options.mode,
                           {{"walls", BoundaryMode::Walls}, {"open", BoundaryMode::Open}},
                           "Rules at a vertex on the boundary; walls by default");
+  addWallSurface(command, &arguments->options.boundaryRows);
   command->add_flag("--as-it-is", arguments->asItIs,
                     "With the star's own shape, not the one that subdivision brings it to");
   command->add_flag("--without-patch-test", arguments->withoutPatchTest,

@@ -239,6 +239,12 @@ void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods) {
   addChoice<BoundaryChoice>(command, "--boundary", choice, boundaryChoices(methods), help);
 }
 
+void addWallSurface(CLI::App* command, BoundaryRows* rows) {
+  addChoice<BoundaryRows>(command, "--wall-surface", rows, wallSurfaceChoices(),
+                          "smooth: fairer, and flows stay bounded beside it; loop: exactly Loop's "
+                          "surface, as other programs subdivide the boundary");
+}
+
 void addBake(CLI::App* program) {
   const auto arguments = std::make_shared<Arguments>();
   BakeOptions& options = arguments->options;
@@ -266,6 +272,7 @@ void addBake(CLI::App* program) {
                    "Subdivisions; auto: until the mean edge is at most 2 voxels")
       ->capture_default_str();
   addBoundary(command, &options.boundary, true);
+  addWallSurface(command, &options.wallSurface);
   addChoice<Sampling>(command, "--grid", &options.sampling,
                       {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}},
                       "Where a voxel's components are sampled");

@@ -49,6 +49,9 @@ void addChoice(CLI::App* command, const std::string& option, T* value,
 /// Adds --boundary; `methods`: with those of the thesis.
 void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods = false);
 
+/// Adds --wall-surface.
+void addWallSurface(CLI::App* command, BoundaryRows* rows);
+
 /// Refuses a --frame that the asset does not have.
 void checkFrame(const ControlAsset& asset, int frame);
 

@@ -174,6 +174,7 @@ void addSubjectOptions(CLI::App* command, const std::shared_ptr<Arguments>& argu
                    "Subdivisions; auto: as many as stay below 100,000 cells")
       ->capture_default_str();
   addBoundary(command, &asset.boundary, true);
+  addWallSurface(command, &asset.wallSurface);
   addChoice<Reconstruction>(
       command, "--reconstruction", &asset.reconstruction,
       {{"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}},

@@ -132,6 +132,7 @@ void addRefine(CLI::App* program) {
       ->check(CLI::Range(0, 12))
       ->required();
   addBoundary(command, &arguments->boundary, true);
+  addWallSurface(command, &arguments->options.boundaryRows);
   command
       ->add_option("--zeta", arguments->options.zeta, "Free weight of the octahedron's linear rule")
       ->capture_default_str();

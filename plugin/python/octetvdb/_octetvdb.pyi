@@ -147,6 +147,7 @@ class Refiner:
         *,
         zeta: float = ...,
         smooth: bool = ...,
+        wall_surface: str = ...,
         progress: _Progress = ...,
     ) -> None: ...
     @property
@@ -303,6 +304,7 @@ def bake(
     resolution: int = ...,
     levels: int | None = ...,
     boundary: str = ...,
+    wall_surface: str = ...,
     grid: str = ...,
     reconstruction: str = ...,
     target: str = ...,

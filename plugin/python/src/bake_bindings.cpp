@@ -17,8 +17,9 @@ namespace {
 BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                      std::vector<std::string> forms, bool derivative, double voxelSize,
                      int resolution, std::optional<int> levels, const std::string& boundary,
-                     const std::string& grid, const std::string& reconstruction,
-                     const std::string& target, bool half, bool project, const std::string& method,
+                     const std::string& wallSurface, const std::string& grid,
+                     const std::string& reconstruction, const std::string& target, bool half,
+                     bool project, const std::string& method,
                      std::optional<std::pair<int, int>> frames, double zeta,
                      const py::object& progress) {
   BakeOptions options;
@@ -28,6 +29,7 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
   options.resolution = resolution;
   options.levels = levels;
   options.boundary = boundaryChoice(boundary, true);
+  options.wallSurface = wallSurfaceChoice(wallSurface);
   options.sampling = choose<Sampling>(
       "grid", grid, {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}});
   options.reconstruction = reconstructionChoice(reconstruction);
@@ -109,11 +111,11 @@ void bindBake(py::module_& module) {
   module.def("bake", &bakeAsset, py::arg("asset"), py::arg("path"), py::kw_only(),
              py::arg("forms") = std::vector<std::string>(), py::arg("derivative") = false,
              py::arg("voxel_size") = 0.0, py::arg("resolution") = 0, py::arg("levels") = py::none(),
-             py::arg("boundary") = "auto", py::arg("grid") = "collocated",
-             py::arg("reconstruction") = "limit", py::arg("target") = "openvdb",
-             py::arg("half") = false, py::arg("project") = false, py::arg("method") = "auto",
-             py::arg("frames") = py::none(), py::arg("zeta") = kDefaultZeta,
-             py::arg("progress") = py::none(),
+             py::arg("boundary") = "auto", py::arg("wall_surface") = "smooth",
+             py::arg("grid") = "collocated", py::arg("reconstruction") = "limit",
+             py::arg("target") = "openvdb", py::arg("half") = false, py::arg("project") = false,
+             py::arg("method") = "auto", py::arg("frames") = py::none(),
+             py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
              R"(Bakes an asset's forms into OpenVDB grids, one per form.
 
 path:           the .vdb to write; an animated asset becomes a sequence name.0001.vdb
@@ -124,6 +126,7 @@ resolution:     voxels along the domain's longest side
 levels:         subdivisions; None: until the mean edge is at most 2 voxels
 boundary:       "auto", "walls" or "open"; for comparison, the thesis' methods: "simple",
                 "projection" or "expansion"
+wall_surface:   "smooth", or "loop": exactly Loop's surface
 grid:           "collocated" or "staggered"
 reconstruction: "limit" or "whitney"
 target:         "openvdb", "blender", "houdini", "arnold" or "renderman"

@@ -37,6 +37,8 @@ struct MeshForm {
 /// "auto", "walls" or "open"; `methods`: or one of the thesis': "simple", "projection" or
 /// "expansion".
 BoundaryChoice boundaryChoice(const std::string& name, bool methods);
+/// "smooth" or "loop".
+BoundaryRows wallSurfaceChoice(const std::string& name);
 /// "limit" or "whitney".
 Reconstruction reconstructionChoice(const std::string& name);
 

@@ -17,6 +17,10 @@ BoundaryChoice boundaryChoice(const std::string& name, bool methods) {
   return choose("boundary", name, boundaryChoices(methods));
 }
 
+BoundaryRows wallSurfaceChoice(const std::string& name) {
+  return choose("wall_surface", name, wallSurfaceChoices());
+}
+
 Reconstruction reconstructionChoice(const std::string& name) {
   return choose<Reconstruction>(
       "reconstruction", name,

@@ -76,11 +76,13 @@ BoundaryMode knownMode(const std::string& boundary) {
 }
 
 std::shared_ptr<MeshRefiner> makeRefiner(std::shared_ptr<ControlMesh> mesh, int levels, double zeta,
-                                         bool smooth, const py::object& progress) {
+                                         bool smooth, const std::string& wallSurface,
+                                         const py::object& progress) {
   RefinerOptions options;
   options.levels = levels;
   options.zeta = zeta;
   options.smooth = smooth;
+  options.boundaryRows = wallSurfaceChoice(wallSurface);
   const Context context = contextOf(progress);
   return withoutGil(
       [&] { return std::make_shared<MeshRefiner>(std::move(mesh), options, context); });
@@ -165,6 +167,7 @@ void bindRefiner(py::module_& module) {
 levels:   number of subdivisions, 0 to 12; each makes about eight times the cells
 zeta:     free weight of the octahedron's linear rule
 smooth:   False for linear (Whitney) subdivision only
+wall_surface: "smooth", or "loop": exactly Loop's surface
 progress: called as progress(stage, done, total, unit) while levels are built; returning False
           raises Cancelled, and what it raises is raised
 
@@ -172,7 +175,7 @@ Levels are built once, then applied to any number of forms of degree 0 to 3. Ref
 with the exterior derivative. Methods may be called from many threads; long ones release the GIL.)")
       .def(py::init(&makeRefiner), py::arg("mesh"), py::arg("levels") = 1, py::kw_only(),
            py::arg("zeta") = kDefaultZeta, py::arg("smooth") = true,
-           py::arg("progress") = py::none())
+           py::arg("wall_surface") = "smooth", py::arg("progress") = py::none())
       .def_property_readonly("mesh", &MeshRefiner::mesh, "The control mesh.")
       .def_property_readonly(
           "levels", [](const MeshRefiner& s) { return s.refiner().levels(); },
