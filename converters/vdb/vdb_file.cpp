@@ -331,7 +331,7 @@ void VdbFile::write(const std::string& path, const std::vector<VdbMetadata>& fil
 std::vector<VdbGridInfo> readVdbInfo(const std::string& path,
                                      std::vector<VdbMetadata>* fileMetadata,
                                      const Context& context) {
-  const VdbContents contents = readVdb(path);
+  const VdbContents contents = readVdb(path, context);
   if (fileMetadata) *fileMetadata = readMetadata(*contents.metadata);
   std::vector<VdbGridInfo> result;
   for (const openvdb::GridBase::Ptr& grid : *contents.grids) {

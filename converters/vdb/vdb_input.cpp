@@ -10,13 +10,40 @@
 #include <octet/core/base/error.h>
 
 namespace octet {
+namespace {
 
-VdbContents readVdb(const std::string& path) {
+/// A file that asks whether to stop while it is read.
+class PolledFile : public std::filebuf {
+ public:
+  explicit PolledFile(const Context& context) : context_(context) {}
+
+ protected:
+  std::streamsize xsgetn(char* data, std::streamsize n) override {
+    constexpr std::streamsize kBytesPerPoll = 1 << 16;
+    unpolled_ += n;
+    if (unpolled_ >= kBytesPerPoll) {
+      unpolled_ = 0;
+      context_.poll();
+    }
+    return std::filebuf::xsgetn(data, n);
+  }
+
+ private:
+  const Context& context_;
+  std::streamsize unpolled_ = 0;
+};
+
+}  // namespace
+
+VdbContents readVdb(const std::string& path, const Context& context) {
   openvdb::initialize();  // does nothing the second time
   errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
-  file.exceptions(std::ios::failbit | std::ios::badbit);
+  PolledFile buffer(context);
+  if (!buffer.open(path, std::ios::in | std::ios::binary)) {
+    throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
+  }
+  std::istream file(&buffer);
+  file.exceptions(std::ios::failbit | std::ios::badbit);  // badbit: also to keep what a poll throws
   try {
     openvdb::io::Stream stream(file, /*delayLoad=*/false);
     return {stream.getGrids(), stream.getMetadata()};

@@ -72,7 +72,7 @@ class Sampler {
     const std::vector<std::optional<int>> numbers = frameNumbers(paths);
     for (std::size_t k = 0; k < paths.size(); ++k) {
       context_.report({"sample", k, paths.size(), "files"});
-      const VelocitySource source(paths[k], options_.read);
+      const VelocitySource source(paths[k], options_.read, context_);
       SampledFrame frame = describe(paths[k], numbers[k], source);
       const Cochain<K> coefficients = sample(source, &frame);
       measure(source, coefficients, &frame);
@@ -194,7 +194,7 @@ class Sampler {
   }
 
   void measure(const VelocitySource& source, const Cochain<K>& form, SampledFrame* frame) const {
-    const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints);
+    const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints, context_);
     const VectorField field = limitField(form);
     std::vector<Vec3> values(points.size());
     std::vector<std::uint8_t> inside(points.size());
