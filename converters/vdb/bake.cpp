@@ -7,6 +7,7 @@
 
 #include <octet/core/base/memory_budget.h>
 
+#include "bake_part.h"
 #include "form_baker.h"
 #include "form_choice.h"
 
@@ -19,6 +20,17 @@ std::string numbered(const std::string& path, int frame) {
   std::snprintf(number, sizeof number, ".%04d", frame);
   const std::filesystem::path p(path);
   return (p.parent_path() / (p.stem().string() + number + p.extension().string())).string();
+}
+
+/// What is known of the mesh, and what grids are made on it.
+MeshFacts factsOf(const ControlAsset& asset, const FormChoice& choice, const BakeOptions& options,
+                  const Context& context) {
+  MeshFacts facts = findMeshFacts(asset, options, context);
+  for (const Form* form : choice.forms()) {
+    const int degree = choice.bakedDegree(*form);
+    ++(degree == 1 || degree == 2 ? facts.vectors : facts.scalars);
+  }
+  return facts;
 }
 
 /// The files of a bake and their frames, in order.
@@ -60,7 +72,7 @@ std::vector<VdbMetadata> fileMetadata(const ControlAsset& asset, const Target& t
                                        {"octet_up_axis", std::string(1, upAxis)},
                                        {"octet_meters_per_unit", asset.units.metersPerUnit},
                                        {"octet_frames_per_second", asset.units.framesPerSecond}};
-  if (frame) metadata.push_back({"octet_frame", static_cast<std::int32_t>(*frame)});
+  if (frame) metadata.push_back({kFrameMetadata, static_cast<std::int32_t>(*frame)});
   return metadata;
 }
 
@@ -68,10 +80,14 @@ std::vector<VdbMetadata> fileMetadata(const ControlAsset& asset, const Target& t
 
 BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path,
                 const Context& context) {
+  checkVdbName(path);
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
-  const auto resolution = planResolution(options, findMeshFacts(asset.mesh, options, context));
-  checkMemory(resolution, memoryLimit());
+  const MeshFacts mesh = factsOf(asset, choice, options, context);
+  const auto resolution = planResolution(options, mesh);
+  const BakePart part(asset, options, mesh, resolution);
+  checkMemory(resolution, options, mesh, memoryLimit());
+  const MemoryReservation grids = context.reserve(resolution.gridBytes, "the grids of a file");
   const auto files = filesOf(choice, path);
   const FormBaker baker(asset.mesh, options, resolution.levels, context.sub(0.3));
   const BakeFacts facts{asset.units.upAxis, resolution, baker.facts()};
@@ -82,6 +98,7 @@ BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std
   report.voxelSize = resolution.voxelSize;
   report.meanEdge = facts.refinement.fineEdge;
   report.note = target.note;
+  if (const auto first = part.at(std::nullopt)) report.part = partName(*first);
   const Context rest = context.sub(0.7);
   for (const auto& [to, frame] : files) {
     const Context ofFile = rest.sub(1.0 / static_cast<double>(files.size()));
@@ -92,7 +109,9 @@ BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std
       const Context ofForm = ofFile.sub(share);
       const ControlForm control =
           planner.find(*form, choice.gridName(*form), frame, ofForm.sub(0.1));
-      file.grids.push_back(baker.execute(planner.plan(control), control, &vdb, ofForm));
+      BakePlan plan = planner.plan(control);
+      plan.part = part.at(frame);
+      file.grids.push_back(baker.execute(plan, control, &vdb, ofForm));
     }
     vdb.write(to, fileMetadata(asset, target, frame), ofFile);
     report.files.push_back(std::move(file));
@@ -102,10 +121,13 @@ BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std
 
 BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
                          const std::string& path, const Context& context) {
+  checkVdbName(path);
   const Target& target = findTarget(options.target);
   const FormChoice choice(asset, options, target);
   BakeForecast forecast;
-  forecast.resolution = planResolution(options, findMeshFacts(asset.mesh, options, context));
+  const MeshFacts mesh = factsOf(asset, choice, options, context);
+  forecast.resolution = planResolution(options, mesh);
+  const BakePart part(asset, options, mesh, forecast.resolution);
   forecast.memory = memoryLimit();
   forecast.note = target.note;
   RefinerOptions unrefined;
@@ -120,6 +142,7 @@ BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
     for (const Form* form : choice.forms()) {
       file.grids.push_back(
           planner.plan(planner.find(*form, choice.gridName(*form), frame, context)));
+      file.grids.back().part = part.at(frame);
     }
     forecast.files.push_back(std::move(file));
   }

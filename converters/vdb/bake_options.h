@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <octet/core/field/field.h>
-#include <octet/core/raster/tile.h>
 
 #include "../control_asset/refined_document.h"
+#include "grid_part.h"
 
 namespace octet {
 
@@ -37,6 +37,8 @@ struct BakeOptions {
   bool project = false;  ///< replace 1- and 2-forms that are not closed by the nearest closed ones
   std::optional<std::pair<int, int>> frames;  ///< first and last; absent: all that the forms have
   double zeta = kDefaultZeta;
+  std::optional<Box> region;   ///< bake only the leaves that it meets, world units of the asset
+  std::optional<Shard> shard;  ///< bake only one of several parts
 };
 
 }  // namespace octet

@@ -289,6 +289,13 @@ Certificate toCertificate(const Sums& s, const openvdb::Vec3d& voxel) {
 
 }  // namespace
 
+std::optional<GridPart> partOf(const openvdb::GridBase& grid) {
+  return readPart([&](const std::string& name) {
+    const openvdb::Metadata::ConstPtr found = grid[name];
+    return found ? found->str() : "";
+  });
+}
+
 bool isStaggered(const openvdb::GridBase& grid) {
   if (grid.getGridClass() == openvdb::GRID_STAGGERED) return true;
   const auto sampling = grid.getMetadata<openvdb::StringMetadata>(kSamplingMetadata);
@@ -300,8 +307,10 @@ Certificate measureGrid(const Grid& grid, const Context& context) {
   using Tree = typename Grid::TreeType;
   const bool staggered = isStaggered(grid);
   const openvdb::Vec3d voxel = grid.voxelSize();
+  const auto part = partOf(grid);
   // Where a map is not affine, operators give other numbers at other places.
-  const BlockWalk<Tree> walk(grid.tree(), kAllTiles, !grid.transform().isLinear(), context);
+  const BlockWalk<Tree> walk(grid.tree(), part ? part->window : kAllTiles,
+                             !grid.transform().isLinear(), context);
   Sums sums = sumOverLots(
       walk,
       [&](Sums* lot) {
@@ -317,6 +326,7 @@ Certificate measureGrid(const Grid& grid, const Context& context) {
   Certificate c = toCertificate(sums, voxel);
   c.scheme = staggered ? "FD_1ST" : "CD_2ND";
   c.half = grid.saveFloatAsHalf();
+  c.partial = part.has_value();
   return c;
 }
 

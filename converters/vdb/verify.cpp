@@ -143,6 +143,8 @@ std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& 
     result = measureAll(*contents.grids, name, context);
   } catch (const openvdb::Exception& e) {
     throw InputError(path, "", std::string("cannot be measured: ") + e.what());
+  } catch (const InputError& e) {
+    throw e.inFile(path);
   }
   if (result.empty()) {
     throw InputError(

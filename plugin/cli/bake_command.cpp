@@ -7,21 +7,21 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include <octet/converters/vdb/bake.h>
 #include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
 #include "../boundary_choices.h"
-#include "certificate_text.h"
 #include "commands.h"
 #include "console.h"
+#include "file_text.h"
 
 namespace octet::cli {
 namespace {
 
 struct Arguments {
   std::string control, output, levels = "auto";
-  std::optional<std::string> frames;
+  std::optional<std::string> frames, shard;
+  std::vector<double> region;
   bool json = false, dryRun = false;
   BakeOptions options;
 };
@@ -56,6 +56,25 @@ std::pair<int, int> parseFrames(const std::string& text) {
   return std::pair{*first, *last};
 }
 
+/// "I/N".
+Shard parseShard(const std::string& text) {
+  const std::string_view view = text;
+  const std::size_t slash = view.find('/');
+  const auto number = parseNumber(view.substr(0, slash));
+  const auto count = slash == view.npos ? std::nullopt : parseNumber(view.substr(slash + 1));
+  if (!number || !count) throw InputError("--shard", "\"" + text + "\" is not I/N, as in 2/8");
+  return {*number, *count};
+}
+
+Box parseRegion(const std::vector<double>& numbers) {
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.min[k] = numbers[static_cast<std::size_t>(k)];
+    box.max[k] = numbers[static_cast<std::size_t>(k) + 3];
+  }
+  return box;
+}
+
 std::string checkPositive(const std::string& text) {
   double x = 0;
   const bool positive = CLI::detail::lexical_cast(text, x) && x > 0 && std::isfinite(x);
@@ -72,68 +91,25 @@ auto withFile(const std::string& control, const Do& work) {
   }
 }
 
-nlohmann::ordered_json toJson(const VdbGridInfo& grid) {
-  nlohmann::ordered_json result = {{"name", grid.name},
-                                   {"type", grid.type},
-                                   {"class", grid.gridClass},
-                                   {"vector_type", grid.vectorType},
-                                   {"voxel_size", grid.voxelSize},
-                                   {"active_voxels", grid.activeVoxels},
-                                   {"leaves", grid.leaves},
-                                   {"index_min", grid.indexMin},
-                                   {"index_max", grid.indexMax},
-                                   {"min", grid.min},
-                                   {"max", grid.max},
-                                   {"half", grid.half}};
-  if (grid.method != GridMethod::None) {
-    result["method"] = methodName(grid.method);
-    result["sampled_voxels"] = grid.sampledVoxels;
-  }
-  if (!grid.reasons.empty()) result["note"] = words(grid.reasons);
-  if (grid.certificate) result["certificate"] = cli::toJson(*grid.certificate);
-  return result;
-}
-
-/// Of a grid of another method: "", or how many of its voxels are sampled.
-std::string shareOfSamples(const VdbGridInfo& grid) {
-  if (grid.sampledVoxels == 0 || grid.method == GridMethod::Samples) return "";
-  return ", samples in " + percent(grid.sampledVoxels, grid.activeVoxels) +
-         " of the voxels, near the boundary";
-}
-
 void print(const BakeReport& report, double seconds, bool json) {
   if (json) {
     nlohmann::ordered_json files = nlohmann::ordered_json::array();
-    for (const BakedFile& file : report.files) {
-      nlohmann::ordered_json entry = {{"path", file.path}};
-      if (file.frame) entry["frame"] = *file.frame;
-      entry["grids"] = nlohmann::ordered_json::array();
-      for (const VdbGridInfo& grid : file.grids) entry["grids"].push_back(toJson(grid));
-      files.push_back(std::move(entry));
-    }
-    const nlohmann::ordered_json document = {
-        {"levels", report.levels},      {"cells", report.cells}, {"voxel_size", report.voxelSize},
-        {"mean_edge", report.meanEdge}, {"seconds", seconds},    {"note", report.note},
-        {"files", std::move(files)}};
+    for (const BakedFile& file : report.files) files.push_back(cli::toJson(file));
+    const nlohmann::ordered_json document = {{"levels", report.levels},
+                                             {"cells", report.cells},
+                                             {"voxel_size", report.voxelSize},
+                                             {"mean_edge", report.meanEdge},
+                                             {"seconds", seconds},
+                                             {"note", report.note},
+                                             {"part", report.part},
+                                             {"files", std::move(files)}};
     std::cout << text(document) << "\n";
     return;
   }
   std::printf("%d levels, %s cells, mean edge %.4g, voxel %.4g\n", report.levels,
               grouped(report.cells).c_str(), report.meanEdge, report.voxelSize);
-  for (const BakedFile& file : report.files) {
-    std::printf("%s\n", file.path.c_str());
-    for (const VdbGridInfo& grid : file.grids) {
-      std::printf("  %s  %s%s, %s active voxels, %s %.4g to %.4g\n", grid.name.c_str(),
-                  grid.type.c_str(), grid.half ? " (half)" : "",
-                  grouped(static_cast<std::int64_t>(grid.activeVoxels)).c_str(),
-                  grid.vectorType.empty() ? "value" : "length", grid.min, grid.max);
-      if (grid.method != GridMethod::None) {
-        std::printf("    from %s%s%s%s\n", methodName(grid.method), shareOfSamples(grid).c_str(),
-                    grid.reasons.empty() ? "" : "; ", words(grid.reasons).c_str());
-      }
-      if (grid.certificate) printCertificate(*grid.certificate, "    ");
-    }
-  }
+  if (!report.part.empty()) std::printf("%s\n", report.part.c_str());
+  for (const BakedFile& file : report.files) print(file);
   if (!report.note.empty()) std::printf("note: %s\n", report.note.c_str());
   std::printf("%.2f s\n", seconds);
 }
@@ -175,7 +151,8 @@ void printJson(const BakeForecast& forecast) {
                      {"cells", std::llround(r.cells)},
                      {"voxel_size", r.voxelSize},
                      {"mean_edge", r.fineEdge},
-                     {"bytes", std::llround(r.bytes)},
+                     {"voxels", std::llround(r.voxels)},
+                     {"bytes", std::llround(r.bytes())},
                      {"memory", std::llround(forecast.memory)},
                      {"note", forecast.note},
                      {"files", std::move(files)}})
@@ -184,9 +161,10 @@ void printJson(const BakeForecast& forecast) {
 
 void print(const BakeForecast& forecast) {
   const ResolutionPlan& r = forecast.resolution;
-  std::printf("%d levels, about %s cells, mean edge %.4g, voxel %.4g\n", r.levels,
-              grouped(std::llround(r.cells)).c_str(), r.fineEdge, r.voxelSize);
-  std::printf("needs up to %.2g of %.2g GB of memory\n", r.bytes / 1e9, forecast.memory / 1e9);
+  std::printf("%d levels, about %s cells, mean edge %.4g, voxel %.4g, about %s voxels\n", r.levels,
+              grouped(std::llround(r.cells)).c_str(), r.fineEdge, r.voxelSize,
+              grouped(std::llround(r.voxels)).c_str());
+  std::printf("needs up to %.2g of %.2g GB of memory\n", r.bytes() / 1e9, forecast.memory / 1e9);
   for (const PlannedFile& file : forecast.files) {
     std::printf("%s\n", file.path.c_str());
     for (const BakePlan& plan : file.grids) {
@@ -217,6 +195,8 @@ void run(Arguments& arguments) {
   BakeOptions& options = arguments.options;
   options.levels = parseLevels(arguments.levels);
   if (arguments.frames) options.frames = parseFrames(*arguments.frames);
+  if (arguments.shard) options.shard = parseShard(*arguments.shard);
+  if (!arguments.region.empty()) options.region = parseRegion(arguments.region);
   if (arguments.dryRun) return foresee(arguments);
   checkOutput(arguments.control, arguments.output);
   const ControlAsset asset = readAsset(arguments.control);
@@ -293,6 +273,16 @@ void addBake(CLI::App* program) {
   command->add_flag("--project", options.project,
                     "Replace 1- and 2-forms that are not closed by the nearest closed ones");
   command->add_option("--frames", arguments->frames, "Frames A-B of an animated asset");
+  auto* region = command
+                     ->add_option("--region", arguments->region,
+                                  "Bake only the leaves that this box meets, world units of the "
+                                  "asset: x0 y0 z0 x1 y1 z1")
+                     ->expected(6);
+  command
+      ->add_option("--shard", arguments->shard,
+                   "Bake only part I of N, of about equal work: I/N, from 1/N to N/N; octetvdb "
+                   "merge joins them")
+      ->excludes(region);
   command->add_option("--zeta", options.zeta, "Free weight of the octahedron's linear rule")
       ->capture_default_str();
   command->add_flag("--dry-run", arguments->dryRun,

@@ -25,7 +25,7 @@ int interruptSignal();
 ControlAsset readAsset(const std::string& path);
 
 /// Refuses, before work is put into it, an output that cannot be written.
-void checkOutput(const std::string& control, const std::string& output);
+void checkOutput(const std::string& input, const std::string& output);
 
 /// Indented JSON; text that is not UTF-8, such as a file's name, is made so.
 std::string text(const nlohmann::ordered_json& document);

@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
   octet::cli::addFill(&program);
   octet::cli::addFit(&program);
   octet::cli::addInfo(&program);
+  octet::cli::addMerge(&program);
 #ifdef OCTETVDB_WITH_PICTURES
   octet::cli::addPreview(&program);
 #endif

@@ -112,7 +112,7 @@ class BadUsage(Case):
                 ("--threads", *small, "--threads", "0"),
                 ("--threads", "--threads", "two", *small),
                 ("is empty", "bake", BOX, "-o", "", "--resolution", "8"),
-                ("is the control asset itself", "bake", BOX, "-o", BOX, "--resolution", "8"),
+                ("is the input itself", "bake", BOX, "-o", BOX, "--resolution", "8"),
                 ("levels", "refine", BOX, "-o", out),
                 ("levels", "refine", BOX, "-o", out, "--levels", "13"),
                 ("more than 100,000,000", "refine", BOX, "-o", out, "--levels", "12"),

@@ -257,6 +257,8 @@ class Certificate:
     def throughflow(self) -> float: ...
     @property
     def half(self) -> bool: ...
+    @property
+    def partial(self) -> bool: ...
 
 class VerifiedGrid:
     @property
@@ -292,6 +294,8 @@ class BakeReport:
     @property
     def note(self) -> str: ...
     @property
+    def part(self) -> str: ...
+    @property
     def files(self) -> list[BakedFile]: ...
 
 def bake(
@@ -312,9 +316,12 @@ def bake(
     project: bool = ...,
     method: str = ...,
     frames: tuple[int, int] | None = ...,
+    region: Sequence[float] | None = ...,
+    shard: tuple[int, int] | None = ...,
     zeta: float = ...,
     progress: _Progress = ...,
 ) -> BakeReport: ...
+def merge(parts: Sequence[str], path: str, *, progress: _Progress = ...) -> BakedFile: ...
 def read_grid_info(path: str) -> list[GridInfo]: ...
 
 class CageQuality:

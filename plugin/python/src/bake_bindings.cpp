@@ -3,7 +3,7 @@
 
 #include <pybind11/stl.h>
 
-#include <octet/converters/vdb/bake.h>
+#include <octet/converters/vdb/merge_vdb.h>
 #include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
@@ -20,7 +20,9 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                      const std::string& wallSurface, const std::string& grid,
                      const std::string& reconstruction, const std::string& target, bool half,
                      bool project, const std::string& method,
-                     std::optional<std::pair<int, int>> frames, double zeta,
+                     std::optional<std::pair<int, int>> frames,
+                     const std::optional<std::array<double, 6>>& region,
+                     std::optional<std::pair<int, int>> shard, double zeta,
                      const py::object& progress) {
   BakeOptions options;
   options.forms = std::move(forms);
@@ -41,6 +43,14 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                                        {"conservative", BakeMethod::Conservative},
                                        {"samples", BakeMethod::Samples}});
   options.frames = frames;
+  if (region) {
+    options.region.emplace();
+    for (int k = 0; k < 3; ++k) {
+      options.region->min[k] = (*region)[static_cast<std::size_t>(k)];
+      options.region->max[k] = (*region)[static_cast<std::size_t>(k) + 3];
+    }
+  }
+  if (shard) options.shard = Shard{shard->first, shard->second};
   options.zeta = zeta;
   const Context context = contextOf(progress);
   return withoutGil([&] { return bake(asset, options, path, context); });
@@ -100,6 +110,8 @@ void bindReport(py::module_& module) {
       .def_readonly("voxel_size", &BakeReport::voxelSize, "Voxel size, world units.")
       .def_readonly("mean_edge", &BakeReport::meanEdge, "Mean fine edge, world units.")
       .def_readonly("note", &BakeReport::note, "What the target's importer has to do.")
+      .def_readonly("part", &BakeReport::part,
+                    "\"shard 2 of 7\" or \"region\"; empty: the whole.")
       .def_readonly("files", &BakeReport::files, "A BakedFile for each file.");
 }
 
@@ -115,6 +127,7 @@ void bindBake(py::module_& module) {
              py::arg("grid") = "collocated", py::arg("reconstruction") = "limit",
              py::arg("target") = "openvdb", py::arg("half") = false, py::arg("project") = false,
              py::arg("method") = "auto", py::arg("frames") = py::none(),
+             py::arg("region") = py::none(), py::arg("shard") = py::none(),
              py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
              R"(Bakes an asset's forms into OpenVDB grids, one per form.
 
@@ -135,10 +148,26 @@ project:        replace forms that are not closed by the nearest closed ones
 method:         "auto", "conservative" (vectors without discrete divergence or curl, or an error)
                 or "samples"
 frames:         first and last frame of an animated asset; all by default
+region:         bake only the leaves that this box meets, world units of the asset: (x0, y0, z0,
+                x1, y1, z1)
+shard:          (i, n): bake only part i of n, of about equal work, from 1 to n; merge() joins them
 zeta:           free weight of the octahedron's linear rule
 progress:       called as progress(stage, done, total, unit); returning False raises Cancelled
 
-Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, Cancelled.)");
+Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, MemoryError,
+Cancelled.)");
+  module.def(
+      "merge",
+      [](const std::vector<std::string>& parts, const std::string& path,
+         const py::object& progress) {
+        const Context context = contextOf(progress);
+        return withoutGil([&] { return mergeVdb(parts, path, context); });
+      },
+      py::arg("parts"), py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+      R"(Joins the shards of a bake to the .vdb that it would have been without them; a BakedFile.
+
+parts: the .vdb of each shard, in any order; of an animation, those of one frame
+Releases the GIL. Raises InputError, IoError, MemoryError, Cancelled.)");
   module.def(
       "read_grid_info",
       [](const std::string& path) {

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bake_part.h"
+
+#include <cmath>
+
+#include <octet/core/raster/block_bins.h>
+#include <octet/version.h>
+
+#include "wording.h"
+
+namespace octet {
+namespace {
+
+constexpr int kTile = Tile<1>::kWidth;
+
+/// The tile whose samples are nearest to a place along an axis.
+GridIndex tileAt(double x, double voxelSize) {
+  const double tile = std::floor((x / voxelSize + 0.5) / kTile);
+  return static_cast<GridIndex>(std::clamp<double>(tile, -kTileLimit, kTileLimit - 1));
+}
+
+/// Where a tile begins: between its first sample and the one before.
+double beginOf(GridIndex tile, double voxelSize) { return (tile * kTile - 0.5) * voxelSize; }
+
+Box boxOf(const IndexBox& tiles, double voxelSize) {
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.min[k] = beginOf(tiles.min[k], voxelSize);
+    box.max[k] = beginOf(tiles.max[k] + 1, voxelSize);
+  }
+  return box;
+}
+
+IndexBox tilesOf(const Box& box, double voxelSize) {
+  IndexBox tiles;
+  for (int k = 0; k < 3; ++k) {
+    tiles.min[k] = tileAt(box.min[k], voxelSize);
+    tiles.max[k] = tileAt(box.max[k], voxelSize);
+  }
+  return tiles;
+}
+
+IndexBox regionWindow(const Box& region, const MeshFacts& facts, double voxelSize) {
+  if (!region.min.allFinite() || !region.max.allFinite()) {
+    throw InputError("region", "is not finite");
+  }
+  if (region.empty()) throw InputError("region", "is empty: its first corner is not the lower one");
+  const Box turned = turnedBox(region, facts.turn);
+  const IndexBox window = tilesOf(turned, voxelSize);
+  if (intersection(window, tilesOf(facts.domain.box(), voxelSize)).empty()) {
+    throw InputError("region", "lies outside the domain");
+  }
+  return window;
+}
+
+/// Cuts the domain across its longest side, and the halves again, so that all parts have about the
+/// same volume. What is beyond the domain goes with the part beside it.
+IndexBox shardWindow(const Shard& shard, const DomainShape& domain, double voxelSize) {
+  IndexBox window = kAllTiles, brick = tilesOf(domain.box(), voxelSize);
+  const std::array<GridIndex, 3> first = brick.min;
+  int number = shard.number - 1;
+  for (int count = shard.count; count > 1;) {
+    int axis = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (brick.max[k] - brick.min[k] > brick.max[axis] - brick.min[axis]) axis = k;
+    }
+    const int below = count / 2;
+    const GridIndex from = brick.min[axis], to = brick.max[axis];
+    if (from == to) {  // nothing left to cut: the first part has it all
+      if (number > 0) return {{0, 0, 0}, {-1, -1, -1}};
+      return window;
+    }
+    const double place =
+        domain.cut(boxOf(brick, voxelSize), axis, static_cast<double>(below) / count);
+    // Where patches begin, so that none is painted for two parts, unless parts are that thin.
+    const double tiles = (place / voxelSize + 0.5) / kTile - first[axis];
+    GridIndex cut =
+        first[axis] + kPatchTiles * static_cast<GridIndex>(std::lround(tiles / kPatchTiles));
+    if (cut <= from || cut > to) cut = first[axis] + static_cast<GridIndex>(std::lround(tiles));
+    cut = std::clamp(cut, from + 1, to);
+    if (number < below) {
+      window.max[axis] = brick.max[axis] = cut - 1;
+      count = below;
+    } else {
+      window.min[axis] = brick.min[axis] = cut;
+      number -= below;
+      count -= below;
+    }
+  }
+  return window;
+}
+
+// ---- the tag ------------------------------------------------------------------------------------
+
+template <typename Rows>
+void addRows(const Rows& rows, ContentHash* hash) {
+  hash->add(rows.size());
+  for (const auto& row : rows) {
+    for (const auto x : row) hash->add(x);
+  }
+}
+
+template <typename List>
+void addList(const List& list, ContentHash* hash) {
+  hash->add(list.size());
+  for (const auto x : list) hash->add(x);
+}
+
+void addAsset(const ControlAsset& asset, ContentHash* hash) {
+  const Complex& c = *asset.mesh.complex();
+  hash->add(asset.name);
+  hash->add(asset.units.upAxis);
+  hash->add(asset.units.metersPerUnit);
+  hash->add(asset.units.framesPerSecond);
+  addRows(asset.mesh.positions(), hash);
+  addRows(c.tets, hash);
+  addRows(c.octs, hash);
+  addList(c.edgeFlags, hash);  // creases
+  addList(asset.mesh.corners(), hash);
+  hash->add(asset.forms.size());
+  for (const Form& form : asset.forms) {
+    hash->add(form.name);
+    hash->add(form.degree);
+    hash->add(form.unit);
+    addList(form.simplices, hash);
+    addList(form.signs, hash);
+    addList(form.values, hash);
+    hash->add(form.frames.size());
+    for (const auto& [frame, values] : form.frames) {
+      hash->add(frame);
+      addList(values, hash);
+    }
+  }
+}
+
+/// All options but which part and which frames; size and levels as they were resolved.
+void addOptions(const BakeOptions& options, const ResolutionPlan& resolution, ContentHash* hash) {
+  hash->add(options.forms.size());
+  for (const std::string& form : options.forms) hash->add(form);
+  hash->add(options.derivative);
+  hash->add(resolution.voxelSize);
+  hash->add(resolution.levels);
+  hash->add(options.boundary.name);
+  hash->add(std::string_view(wallSurfaceWord(options.wallSurface)));
+  hash->add(static_cast<int>(options.sampling));
+  hash->add(static_cast<int>(options.reconstruction));
+  hash->add(options.target);
+  hash->add(static_cast<int>(options.method));
+  hash->add(options.half);
+  hash->add(options.project);
+  hash->add(options.zeta);
+}
+
+}  // namespace
+
+IndexBox bakeWindow(const BakeOptions& options, const MeshFacts& facts, double voxelSize) {
+  if (options.region && options.shard) {
+    throw InputError("shard", "goes without a region: shards are parts of the whole");
+  }
+  if (options.region) return regionWindow(*options.region, facts, voxelSize);
+  if (!options.shard) return kAllTiles;
+  if (options.shard->count < 1 || options.shard->number < 1 ||
+      options.shard->number > options.shard->count) {
+    throw InputError("shard", std::to_string(options.shard->number) + "/" +
+                                  std::to_string(options.shard->count) +
+                                  " is none: the first of N is 1/N, the last N/N");
+  }
+  return shardWindow(*options.shard, facts.domain, voxelSize);
+}
+
+BakePart::BakePart(const ControlAsset& asset, const BakeOptions& options, const MeshFacts& facts,
+                   const ResolutionPlan& resolution) {
+  const IndexBox window = bakeWindow(options, facts, resolution.voxelSize);
+  if (!options.region && !options.shard) return;
+  part_ = GridPart{options.shard, "", window};
+  hash_.add(std::string_view(kVersion));
+  addAsset(asset, &hash_);
+  addOptions(options, resolution, &hash_);
+}
+
+std::optional<GridPart> BakePart::at(std::optional<int> frame) const {
+  if (!part_) return std::nullopt;
+  ContentHash hash = hash_;
+  hash.add(frame.has_value());
+  hash.add(frame.value_or(0));
+  GridPart part = *part_;
+  part.bake = hash.digits();
+  return part;
+}
+
+}  // namespace octet

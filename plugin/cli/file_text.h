@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <octet/converters/vdb/bake.h>
+
+namespace octet::cli {
+
+/// A file that was made, with its grids, for --json.
+nlohmann::ordered_json toJson(const BakedFile& file);
+
+/// A file that was made as lines of text.
+void print(const BakedFile& file);
+
+}  // namespace octet::cli
