@@ -12,6 +12,8 @@ namespace octet {
 namespace {
 
 constexpr int kTile = Tile<1>::kWidth;
+/// A part may be larger for the sake of patches by one in so many.
+constexpr int kNear = 16;
 
 /// The tile whose samples are nearest to a place along an axis.
 GridIndex tileAt(double x, double voxelSize) {
@@ -72,11 +74,12 @@ IndexBox shardWindow(const Shard& shard, const DomainShape& domain, double voxel
     }
     const double place =
         domain.cut(boxOf(brick, voxelSize), axis, static_cast<double>(below) / count);
-    // Where patches begin, so that none is painted for two parts, unless parts are that thin.
     const double tiles = (place / voxelSize + 0.5) / kTile - first[axis];
-    GridIndex cut =
+    GridIndex cut = first[axis] + static_cast<GridIndex>(std::lround(tiles));
+    // Where a patch begins, so that none is painted for two parts, when that is near.
+    const GridIndex patch =
         first[axis] + kPatchTiles * static_cast<GridIndex>(std::lround(tiles / kPatchTiles));
-    if (cut <= from || cut > to) cut = first[axis] + static_cast<GridIndex>(std::lround(tiles));
+    if (kNear * std::abs(patch - cut) <= to - from) cut = patch;
     cut = std::clamp(cut, from + 1, to);
     if (number < below) {
       window.max[axis] = brick.max[axis] = cut - 1;

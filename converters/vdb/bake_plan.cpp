@@ -2,6 +2,7 @@
 #include "bake_plan.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include <octet/core/base/memory_budget.h>
 #include <octet/core/raster/flux_rasterizer.h>
@@ -170,7 +171,9 @@ void checkMemory(const ResolutionPlan& plan, const BakeOptions& options, const M
                  double memory) {
   if (plan.bytes() <= memory) return;
   const auto millions = [](double n) {
-    return std::to_string(std::llround(n / 1e6)) + " million ";
+    char text[32];
+    std::snprintf(text, sizeof text, n < 1e15 ? "%.0f million " : "%.3g million ", n / 1e6);
+    return std::string(text);
   };
   const int most = largestResolution(options, facts, memory);
   throw MemoryError(options.voxelSize != 0 ? "voxel size" : "resolution",

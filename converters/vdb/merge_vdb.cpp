@@ -146,6 +146,10 @@ class GridMerger {
       if (ofPart) drop.push_back(it->first);
     }
     for (const std::string& name : drop) whole_->removeMeta(name);
+    // A map that moves nothing has been read as one that does not move.
+    const auto transform = part->transform().copy();
+    transform->postTranslate(openvdb::Vec3d(0.0));
+    whole_->setTransform(transform);
     add(file, part);
   }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vdb_file.h"
 
+#include <cmath>
+
 #include <openvdb/openvdb.h>
 
 #include <octet/core/raster/difference_rasterizer.h>
@@ -76,6 +78,49 @@ VdbGridInfo finish(const VdbGridSpec& spec, GridMethod method, std::uint64_t sam
   return info;
 }
 
+/// Windows that make up a frame's, for rasterizeDifferences(), which keeps potential and vectors of
+/// all tiles of its window as doubles: so thin, along the longest side, that this is small beside
+/// the grid or the mesh, since each costs a look at all cells.
+std::vector<IndexBox> slabsFor(const GradientField& field, const GridFrame& frame) {
+  constexpr double kBytesPerTile = sizeof(Tile<3>) + sizeof(Tile<1>);
+  constexpr double kShareOfGrid = 0.25, kBytesPerCell = 100;
+  constexpr double kGridBytesPerTile = Tile<3>::kSize * sizeof(openvdb::Vec3f);
+  const Complex& complex = field.base.source().complex();
+  const Box box = field.base.bounds();
+  IndexBox tiles;
+  double count = 1;
+  int axis = 0;
+  for (int k = 0; k < 3; ++k) {
+    const auto tileAt = [&](double x) {
+      return std::floor((x - frame.origin[k]) / frame.voxelSize / Tile<1>::kWidth);
+    };
+    const double limit = kTileLimit;
+    tiles.min[k] = static_cast<GridIndex>(std::clamp(tileAt(box.min[k]), -limit, limit - 1));
+    tiles.max[k] = static_cast<GridIndex>(std::clamp(tileAt(box.max[k]), -limit, limit - 1));
+  }
+  tiles = intersection(tiles, frame.window);
+  if (tiles.empty()) return {frame.window};
+  for (int k = 0; k < 3; ++k) {
+    count *= tiles.max[k] - tiles.min[k] + 1.0;
+    if (tiles.max[k] - tiles.min[k] > tiles.max[axis] - tiles.min[axis]) axis = k;
+  }
+  const double most = std::max(kShareOfGrid * count * kGridBytesPerTile,
+                               kBytesPerCell * static_cast<double>(complex.cellCount()));
+  const GridIndex layers = tiles.max[axis] - tiles.min[axis] + 1;
+  const double perLayer = count / layers * kBytesPerTile;
+  // With a layer on either side.
+  const GridIndex thick =
+      std::max<GridIndex>(2, static_cast<GridIndex>(std::min<double>(layers, most / perLayer - 2)));
+  std::vector<IndexBox> slabs;
+  for (GridIndex first = tiles.min[axis]; first <= tiles.max[axis]; first += thick) {
+    IndexBox slab = frame.window;
+    if (first > tiles.min[axis]) slab.min[axis] = first;
+    if (first + thick <= tiles.max[axis]) slab.max[axis] = first + thick - 1;
+    slabs.push_back(slab);
+  }
+  return slabs;
+}
+
 }  // namespace
 
 struct VdbFile::Grids {
@@ -134,8 +179,13 @@ VdbGridInfo VdbFile::add(const GradientField& field, const VdbGridSpec& spec,
                          const Context& context) {
   const auto grid = fillGrid<openvdb::Vec3SGrid, 3>(
       [&](const auto& sink) {
-        rasterizeDifferences(field, spec.frame, spec.sampling, sink, "bake " + spec.name,
-                             context.sub(0.8));
+        const auto slabs = slabsFor(field, spec.frame);
+        for (const IndexBox& slab : slabs) {
+          GridFrame frame = spec.frame;
+          frame.window = slab;
+          rasterizeDifferences(field, frame, spec.sampling, sink, "bake " + spec.name,
+                               context.sub(0.8 / static_cast<double>(slabs.size())));
+        }
       },
       spec);
   grids_->list.push_back(grid);

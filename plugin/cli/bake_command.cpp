@@ -109,7 +109,7 @@ void print(const BakeReport& report, double seconds, bool json) {
   std::printf("%d levels, %s cells, mean edge %.4g, voxel %.4g\n", report.levels,
               grouped(report.cells).c_str(), report.meanEdge, report.voxelSize);
   if (!report.part.empty()) std::printf("%s\n", report.part.c_str());
-  for (const BakedFile& file : report.files) print(file);
+  for (const BakedFile& file : report.files) cli::print(file);
   if (!report.note.empty()) std::printf("note: %s\n", report.note.c_str());
   std::printf("%.2f s\n", seconds);
 }
