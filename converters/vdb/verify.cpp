@@ -8,6 +8,7 @@
 #include <openvdb/openvdb.h>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
 
 #include "certificate.h"
 #include "measure_grid.h"
@@ -114,13 +115,14 @@ std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& 
     throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
   }
   std::vector<VerifiedGrid> result;
-  std::string names;
+  std::vector<std::string> names, types;
   try {
     openvdb::io::File file(path);
     file.open(/*delayLoad=*/false);
     const openvdb::GridPtrVecPtr grids = file.getGrids();
     for (const auto& grid : *grids) {
-      names += (names.empty() ? "" : ", ") + grid->getName() + " (" + grid->valueType() + ")";
+      names.push_back(grid->getName());
+      types.push_back(grid->getName() + " (" + grid->valueType() + ")");
     }
     result = measureAll(*grids, name, context);
     file.close();
@@ -130,9 +132,9 @@ std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& 
     throw InputError(path, "", "is not a readable .vdb: it claims more memory than there is");
   }
   if (result.empty()) {
-    throw InputError(
-        path, name,
-        "is no vector grid of this file; it has " + (names.empty() ? "no grids" : names));
+    throw InputError(path, name,
+                     "is no vector grid of this file; it has " +
+                         (types.empty() ? "no grids" : listOf(types)) + didYouMean(name, names));
   }
   return result;
 }

@@ -95,7 +95,6 @@ class BadUsage(Case):
                 ("not a positive number", *bake, "--voxel-size", "inf"),
                 ("not a positive number", *bake, "--voxel-size", ""),
                 ("2^30 voxels", *bake, "--voxel-size", "1e-12", "--levels", "0"),
-                ("million cells", *bake, "--voxel-size", "1e-9"),
                 ("neither auto nor a number", *small, "--levels", "many"),
                 ("neither auto nor a number", *small, "--levels", "-1"),
                 ("neither auto nor a number", *small, "--levels", "13"),
@@ -105,8 +104,13 @@ class BadUsage(Case):
                 ("none of openvdb, blender, houdini, arnold, renderman", *small, "--target", "maya"),
                 ("there is no form \"vorticity\"; the asset has", *small, "--form", "vorticity"),
                 ("not animated", *small, "--frames", "1-3"),
-                ("neither a frame nor a range", *small, "--frames", "one"),
-                ("neither a frame nor a range", *small, "--frames", "1-"),
+                ("not a list of frames", *small, "--frames", "one"),
+                ("not a list of frames", *small, "--frames", "1-"),
+                ("did you mean \"--resolution\"?", *bake, "--resolutoin", "8"),
+                ("did you mean \"bake\"?", "backe"),
+                ("did you mean \"velocity\"?", *small, "--form", "velocty"),
+                ("did you mean \"staggered\"?", *small, "--grid", "stagered"),
+                ("did you mean \"houdini\"?", *small, "--target", "hudini"),
                 ("--zeta", *small, "--zeta", "five"),
                 ("zeta", *small, "--zeta", "nan"),
                 ("--threads", *small, "--threads", "0"),
@@ -123,11 +127,17 @@ class BadUsage(Case):
             with self.subTest(arguments=arguments):
                 self.fail_with(2, reason, *arguments)
 
+    def test_more_memory_than_there_is_has_a_code_of_its_own(self):
+        self.fail_with(33, "million cells", "bake", BOX, "-o", self.path("out.vdb"), "--voxel-size",
+                       "1e-9")
+
     def test_frames_of_an_animated_asset(self):
         bake = ("bake", GOOD, "-o", self.path("out.vdb"), "--resolution", "6", "--frames")
         self.fail_with(2, "has frames 1-4", *bake, "0-2")
         self.fail_with(2, "has frames 1-4", *bake, "3-5")
         self.fail_with(2, "the first is after the last", *bake, "3-2")
+        self.fail_with(2, "has two places", "bake", GOOD, "-o", self.path("a.##.##.vdb"),
+                       "--resolution", "6")
         self.fail_with(2, "has frames 1-4", "refine", GOOD, "-o", self.path("out.json"), "--levels",
                        "1", "--frame", "9")
 

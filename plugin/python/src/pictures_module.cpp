@@ -5,7 +5,7 @@
 #include <octet/converters/picture/picture.h>
 #include <octet/core/base/error.h>
 
-#include "choices.h"
+#include "../../choices.h"
 #include "errors.h"
 #include "long_call.h"
 
