@@ -93,7 +93,9 @@ Limit::Limit(const Refiner& refiner, const Context& context)
       c_(refiner.finest()),
       sites_(refiner.sites(refiner.levels())),
       coefficientPositions_(refiner.positions(refiner.levels())),
-      masks_(refiner.zeta()) {
+      masks_(refiner.zeta()),
+      starLimits_(refiner.smooth() && refiner.zeta() == kDefaultZeta ? StarLimits(c_)
+                                                                     : StarLimits()) {
   positions_.resize(c_.vertexCount());
   const auto limitOf = [&](Index v) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -131,9 +133,11 @@ double Limit::valueAt(Index v, const At& at) const {
     if (boundary.kinds[row] == BoundaryKind::Crease) {
       return kCreaseLimitSelf * own + kCreaseLimitNeighbour * sum;
     }
-    const double weight = wallWeight(refiner_, boundary.valence(row));
+    const int n = boundary.valence(row);
+    const double weight = wallWeight(refiner_, n);
     return (1 - n * weight) * own + weight * sum;
   }
+  if (const auto limit = starLimits_.value(v, at)) return *limit;
   double mean = 0;
   int n = 0;
   c_.visitVertexStar(v, [&](const CellAtVertex& star) {

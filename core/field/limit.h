@@ -4,6 +4,7 @@
 #include "../refine/refiner.h"
 #include "../refine/sparse_row.h"
 #include "limit_masks.h"
+#include "star_limits.h"
 
 namespace octet {
 
@@ -11,8 +12,10 @@ namespace octet {
 /// value or vector per vertex, to be interpolated linearly. Second-order accurate, while piecewise
 /// Whitney forms are first-order and jump.
 ///
-/// Values and positions: exact masks at regular vertices and on the boundary (Loop's and the cubic
-/// B-spline's), elsewhere the smoothed value that agrees with the regular mask to fourth order.
+/// Values and positions: exact masks at regular vertices, at irregular stars inside and on the
+/// boundary (that of the wall's surface and the cubic B-spline's); where stars disturb each other,
+/// on a control mesh and beside its edges, the smoothed value that agrees with the regular mask to
+/// fourth order.
 /// Vectors: exact masks at regular vertices, mapped to space by the positions' own mask so that
 /// constants are exact on deformed lattices too; elsewhere the least-squares linear field through
 /// the coefficients of the star. On walls whose coefficients are all 0 vectors are tangential
@@ -67,6 +70,7 @@ class Limit {
   const LatticeSites& sites_;
   const Array<Vec3>& coefficientPositions_;  // of the finest level, to which coefficients refer
   LimitMasks masks_;
+  StarLimits starLimits_;
   Array<Vec3> positions_;
   std::vector<Eigen::Matrix3d> walls_;  // per boundary row: projection along the wall
 };

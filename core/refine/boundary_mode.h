@@ -15,9 +15,9 @@ enum class BoundaryMode : std::uint8_t {
 enum class BoundaryRows : std::uint8_t {
   Smooth,  ///< on the boundary surface, which is Loop's with a rule of its own at irregular
            ///< vertices from the second split on, and in the stars beside it (SCHEME.md section 8b)
-  Loop,  ///< on the boundary surface, which is exactly Loop's (SCHEME.md section 8)
-  Star,  ///< means over the cells there are, as inside (the thesis' original rule, Fig. 5.5):
-         ///< what is missing outside pulls the boundary in
+  Loop,    ///< on the boundary surface, which is exactly Loop's (SCHEME.md section 8)
+  Star,    ///< means over the cells there are, as inside (the thesis' original rule, Fig. 5.5):
+           ///< what is missing outside pulls the boundary in
 };
 
 }  // namespace octet

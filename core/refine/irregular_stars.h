@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "../topology/star_walk.h"
-#include "vertex_moves.h"
 
 namespace octet {
 
@@ -45,6 +44,8 @@ class IrregularStars {
   const Complex& complex() const { return c_; }
   StarKind kind(Index vertex) const { return kinds_[vertex]; }
   const std::vector<LineStar>& lines() const { return lines_; }
+  /// The line through a vertex of kind Line.
+  const LineStar& line(Index vertex) const;
   const std::vector<Index>& others() const { return others_; }
 
   /// Names around a vertex on a line; an empty list of r_j where octahedra lie around the line or
@@ -57,12 +58,5 @@ class IrregularStars {
   std::vector<LineStar> lines_;
   std::vector<Index> others_;
 };
-
-/// Does an irregular interior vertex' star fold when subdivision settles its shape (InteriorRule)?
-bool starFolds(const IrregularStars& stars, Index vertex);
-
-/// @brief Lists what irregular interior stars add to D1 L1 when a level is split: H1 of section 6b.
-/// Entries of a row follow each other, rows ascend. Each star's rule is solved once per process.
-std::vector<VertexMove> interiorMoves(const IrregularStars& stars);
 
 }  // namespace octet

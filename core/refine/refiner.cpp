@@ -15,6 +15,9 @@ namespace {
 /// (tests/bench/memory.cpp).
 constexpr double kBytesPerCell = 400;
 
+/// In the first splits stars of irregular vertices overlap, and their moves may turn cells over.
+constexpr int kDampedSplits = 2;
+
 /// Reports the building of a level, part by part; what is done is told in cells.
 class LevelProgress {
  public:
@@ -102,6 +105,9 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options, const C
       const Array<double>& result = options.smooth ? after : linear;
       parallelFor<Index>(fine->complex->vertexCount(),
                          [&](Index v) { fine->positions[v][axis] = result[v]; });
+    }
+    if (options.smooth && k <= kDampedSplits) {
+      fine->smoothing->damp(coarse.positions, &fine->positions);
     }
     progress.report(LevelProgress::kPositions);
     if (options.smooth && options.patchTest) {

@@ -3,6 +3,7 @@
 
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
+#include "interior_moves.h"
 #include "wall_moves.h"
 
 namespace octet {

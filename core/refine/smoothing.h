@@ -9,6 +9,7 @@
 #include "../topology/local_rows.h"
 #include "flux_stars.h"
 #include "linear_blocks.h"
+#include "move_damping.h"
 #include "patch_test.h"
 #include "star_sums.h"
 
@@ -35,6 +36,11 @@ class Smoothing {
   Smoothing(const Complex& fine, const Boundary& boundary, const Boundary& coarseBoundary,
             const LatticeSites& sites, const CellKernels& kernels, ScratchPool* scratch,
             BoundaryRows rows = BoundaryRows::Smooth);
+
+  /// Damps the moves that turn cells over (dampMoves); before anything else is applied.
+  void damp(const Array<Vec3>& coarsePositions, Array<Vec3>* positions) {
+    dampMoves(f_, coarsePositions, &moves_, positions);
+  }
 
   void apply0(const double* coarse, const double* linear, double* out) const;
   void apply1(const double* coarse, const double* linear, const Correction& correction,

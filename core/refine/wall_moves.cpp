@@ -3,30 +3,15 @@
 
 #include <algorithm>
 #include <map>
-#include <memory>
-#include <mutex>
 #include <optional>
 
 #include "../base/parallel.h"
 #include "../rules/wall_rules.h"
 #include "../topology/star_walk.h"
+#include "solved_stars.h"
 
 namespace octet {
 namespace {
-
-/// Solves the rule of a star, or finds it among those solved before.
-std::shared_ptr<const Eigen::MatrixXd> movesOf(const WallStar& star) {
-  static std::mutex mutex;
-  static std::map<WallStar, std::shared_ptr<const Eigen::MatrixXd>> solved;
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    const auto found = solved.find(star);
-    if (found != solved.end()) return found->second;
-  }
-  auto moves = std::make_shared<const Eigen::MatrixXd>(wallStarMoves(star));
-  const std::lock_guard<std::mutex> lock(mutex);
-  return solved.emplace(star, std::move(moves)).first->second;
-}
 
 /// @brief A wall star as it lies in the mesh.
 struct LabelledWallStar {
@@ -124,7 +109,8 @@ std::vector<VertexMove> claims(const Complex& coarse, const Boundary& boundary, 
   const WallStar& wall = labelled->wall;
   const StarPaths paths(coarse, {labelled->vertices, wall.star});
   if (!paths.unique()) return {};
-  const std::shared_ptr<const Eigen::MatrixXd> moves = movesOf(wall);
+  static SolvedStars<WallStar, Eigen::MatrixXd> solved(wallStarMoves);
+  const std::shared_ptr<const Eigen::MatrixXd> moves = solved(wall);
   std::vector<VertexMove> result;
   for (int a = 0; a < wall.star.vertexCount; ++a) {
     // A child on the way to another part of the wall belongs to both, and stays.

@@ -305,8 +305,64 @@ InteriorRule interiorRule(const InteriorStar& interior) {
   rule.moves = interior.onLine ? evenMoves(interior, matrix, movable)
                                : Assignment(matrix, movable, 3, facets).moves();
   if (rule.moves) matrix += *rule.moves;
+  rule.limit = limitWeights(matrix);
   rule.folds = !embeds(invariantSubspace(matrix, (kLeading + kOthers) / 2), facets);
   return rule;
+}
+
+InteriorRule lineRule(int n) {
+  const auto label = [n](int group, int j) { return 3 + group * n + (j % n + n) % n; };
+  const auto byte = [](int k) { return static_cast<std::uint8_t>(k); };
+  enum { kUpper, kLower, kBeyond };
+  Star star;
+  star.vertexCount = 3 + 3 * n;
+  for (const int group : {kUpper, kLower}) {
+    for (int j = 0; j < n; ++j) {
+      std::array<std::uint8_t, 4> tet{0, byte(1 + group), byte(label(group, j)),
+                                      byte(label(group, j + 1))};
+      std::sort(tet.begin(), tet.end());
+      star.tets.push_back(tet);
+    }
+  }
+  for (int j = 0; j < n; ++j) {
+    star.octs.push_back({0, byte(label(kUpper, j)), byte(label(kUpper, j + 1)),
+                         byte(label(kLower, j + 1)), byte(label(kLower, j)),
+                         byte(label(kBeyond, j))});
+  }
+  const LineMoves line = lineMoves(n);
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(star.vertexCount, star.vertexCount);
+  for (const int group : {kUpper, kLower}) {
+    for (int i = 0; i < n; ++i) {
+      const int row = label(group, i);
+      for (int j = 0; j < n; ++j) {
+        const auto step = static_cast<std::size_t>((j - i + n) % n);
+        moves(row, label(kUpper, j)) = moves(row, label(kLower, j)) = line.ring[step];
+        moves(row, label(kBeyond, j)) = line.beyond[step];
+      }
+      moves(row, 0) = -moves.row(row).sum();
+    }
+  }
+  InteriorRule rule;
+  rule.limit = limitWeights(starMatrix(star) + moves);
+  rule.moves = std::move(moves);
+  return rule;
+}
+
+Eigen::VectorXd twinLimit() {
+  constexpr std::uint8_t kRing = 1;
+  Star star;
+  star.vertexCount = 19;
+  for (const std::uint8_t side : {0, 3}) {  // above, below
+    const auto near = [side](int k) { return static_cast<std::uint8_t>(7 + side + k % 3); };
+    const auto far = [side](int k) { return static_cast<std::uint8_t>(13 + side + k); };
+    const auto ring = [](int j) { return static_cast<std::uint8_t>(kRing + j % 6); };
+    star.tets.push_back({0, near(0), near(1), near(2)});
+    for (int k = 0; k < 3; ++k) {
+      star.tets.push_back({0, ring(2 * k), ring(2 * k + 1), near(k)});
+      star.octs.push_back({0, ring(2 * k + 1), ring(2 * k + 2), near(k + 1), near(k), far(k)});
+    }
+  }
+  return limitWeights(starMatrix(star));
 }
 
 }  // namespace octet

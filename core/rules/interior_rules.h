@@ -31,11 +31,13 @@ struct LineMoves {
 };
 LineMoves lineMoves(int tetrahedra);
 
-/// @brief Holds the rule of any other irregular star.
+/// @brief Holds the rule of an irregular star.
 struct InteriorRule {
   /// None where the section's conditions are not met. Rows sum to zero; only rows of vertices
   /// adjacent to m and off the axis are filled.
   std::optional<Eigen::MatrixXd> moves;
+  /// Weights of the star's vertices in the limit of a 0-form at m.
+  Eigen::VectorXd limit;
   /// Does the shape that subdivision brings the star to, up to an affine map, fold? Then cells
   /// beside m are turned over at fine levels, whatever the control positions.
   bool folds = false;
@@ -43,5 +45,13 @@ struct InteriorRule {
 
 /// Computes the rule of a star by assigning its matrix' eigenvalues.
 InteriorRule interiorRule(const InteriorStar& star);
+
+/// Computes the rule at a vertex on a line of n >= 3 tetrahedra from lineMoves(). Labels are those
+/// of lineFluxes().
+InteriorRule lineRule(int tetrahedra);
+
+/// Computes the weights in the limit at a vertex in a facet between two cells of one kind. Labels
+/// are those of twinFluxes().
+Eigen::VectorXd twinLimit();
 
 }  // namespace octet

@@ -113,6 +113,13 @@ Eigen::MatrixXd starMatrix(const Star& star, int first) {
   return builder.take();
 }
 
+Eigen::VectorXd limitWeights(Eigen::MatrixXd matrix) {
+  // What is not constant shrinks at least by a few per cent a level: nothing of it is left.
+  constexpr int kSquarings = 12;
+  for (int k = 0; k < kSquarings; ++k) matrix = (matrix * matrix).eval();
+  return matrix.row(0);
+}
+
 Eigen::MatrixXd invariantSubspace(const Eigen::MatrixXd& matrix, double above) {
   const Eigen::EigenSolver<Eigen::MatrixXd> eigen(matrix);
   std::vector<Eigen::VectorXd> columns;

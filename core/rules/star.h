@@ -39,6 +39,10 @@ bool adjacentToCentre(const Star& star, int label);
 /// label `first` on are filled.
 Eigen::MatrixXd starMatrix(const Star& star, int first = 0);
 
+/// @brief Computes the weights of a star's vertices in the limit at m: the left eigenvector of the
+/// star's matrix for the eigenvalue 1, whose sum is 1. All other eigenvalues must be smaller.
+Eigen::VectorXd limitWeights(Eigen::MatrixXd matrix);
+
 /// Computes an orthonormal basis of the invariant subspace of a real matrix for all eigenvalues
 /// whose modulus is above a bound.
 Eigen::MatrixXd invariantSubspace(const Eigen::MatrixXd& matrix, double above);

@@ -18,7 +18,8 @@ struct FluxPattern {
     std::uint16_t edge, facet;  ///< numbers in the lists below
     double weight;
   };
-  std::vector<std::array<std::uint8_t, 2>> edges;   ///< ascending labels, which orient them; in order
+  std::vector<std::array<std::uint8_t, 2>>
+      edges;  ///< ascending labels, which orient them; in order
   std::vector<std::array<std::uint8_t, 3>> facets;  ///< likewise
   std::vector<Term> terms;                          ///< edges ascend
 };

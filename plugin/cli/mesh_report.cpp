@@ -6,7 +6,7 @@
 #include <map>
 
 #include <octet/core/cage/quality.h>
-#include <octet/core/refine/irregular_stars.h>
+#include <octet/core/refine/interior_moves.h>
 #include <octet/core/topology/boundary.h>
 #include <octet/core/topology/domain_box.h>
 

@@ -63,6 +63,7 @@ Refined refineWithLibrary(const std::string& control, int levels, const std::str
   const ControlAsset asset = readControlAsset(control);
   RefinerOptions options;
   options.levels = levels;
+  options.boundaryRows = BoundaryRows::Loop;  // the reference knows no other surface
   const Refiner refiner(asset.mesh, options);
   const Complex& fine = refiner.finest();
   const BoundaryMode mode = boundary == "walls" ? BoundaryMode::Walls : BoundaryMode::Open;
@@ -88,8 +89,8 @@ Refined refineWithCommand(const std::string& control, int levels, const std::str
   const std::string out =
       ::testing::TempDir() + "refined." + std::to_string(::getpid()) + extension;
   const std::string command = "\"" OCTETVDB_COMMAND "\" refine \"" + control + "\" --levels " +
-                              std::to_string(levels) + " --boundary " + boundary + " -o \"" + out +
-                              "\"";
+                              std::to_string(levels) + " --wall-surface loop --boundary " +
+                              boundary + " -o \"" + out + "\"";
   if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
   std::ifstream file(out, std::ios::binary);
   const auto document =

@@ -109,6 +109,7 @@ void expectLoop(const ControlMeshInput& input) {
   constexpr int kLevels = 2;
   RefinerOptions options;
   options.levels = kLevels;
+  options.boundaryRows = BoundaryRows::Loop;
   const Refiner refiner(ControlMesh::build(input), options);
   const LoopSurface surface(refiner, kLevels);
   const Limit limit(refiner);
