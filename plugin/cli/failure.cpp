@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "failure.h"
 
-#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -63,8 +62,8 @@ nlohmann::ordered_json toJson(const Failure& failure) {
   add("place", failure.place);
   add("reason", failure.reason);
   if (failure.neededBytes > 0) {
-    error["needed_bytes"] = std::llround(failure.neededBytes);
-    error["available_bytes"] = std::llround(failure.availableBytes);
+    error["needed_bytes"] = failure.neededBytes;
+    error["available_bytes"] = failure.availableBytes;
   }
   return error;
 }

@@ -22,14 +22,15 @@ struct Arguments {
   bool json = false;
 };
 
-nlohmann::ordered_json toJson(const Arguments& arguments, const std::vector<VerifiedGrid>& grids) {
+nlohmann::ordered_json documentOf(const Arguments& arguments,
+                                  const std::vector<VerifiedGrid>& grids) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const VerifiedGrid& grid : grids) {
     list.push_back({{"name", grid.name},
                     {"type", grid.type},
                     {"class", grid.gridClass},
                     {"voxel_size", grid.voxelSize},
-                    {"certificate", toJson(grid.certificate)}});
+                    {"certificate", cli::toJson(grid.certificate)}});
   }
   return {{"path", arguments.path}, {"grids", std::move(list)}};
 }
@@ -66,7 +67,7 @@ void run(const Arguments& arguments) {
     if (failure) throw *failure;
     return;
   }
-  nlohmann::ordered_json document = toJson(arguments, grids);
+  nlohmann::ordered_json document = documentOf(arguments, grids);
   if (failure) document["error"] = toJson(failureOf(*failure));
   std::cout << text(document) << "\n";
   if (failure) throw AlreadyTold{kFailed};

@@ -48,12 +48,18 @@ TEST(FrameList, IsWrittenAsItIsRead) {
 TEST(FrameName, KnowsEveryPlace) {
   const struct {
     const char *name, *at7;
-  } kCases[] = {{"a.####.vdb", "a.0007.vdb"},    {"a.#.vdb", "a.7.vdb"},
-                {"a_##_b.vdb", "a_07_b.vdb"},    {"a.@@@@.vdb", "a.0007.vdb"},
-                {"a.@.vdb", "a.7.vdb"},          {"a.%04d.vdb", "a.0007.vdb"},
-                {"a.%d.vdb", "a.7.vdb"},         {"a%02d.vdb", "a07.vdb"},
-                {"a.$F4.vdb", "a.0007.vdb"},     {"a.$F.vdb", "a.7.vdb"},
-                {"a.<frame>.vdb", "a.0007.vdb"}, {"out/a.####.vdb", "out/a.0007.vdb"},
+  } kCases[] = {{"a.####.vdb", "a.0007.vdb"},
+                {"a.#.vdb", "a.7.vdb"},
+                {"a_##_b.vdb", "a_07_b.vdb"},
+                {"a.@@@@.vdb", "a.0007.vdb"},
+                {"a.@.vdb", "a.7.vdb"},
+                {"a.%04d.vdb", "a.0007.vdb"},
+                {"a.%d.vdb", "a.7.vdb"},
+                {"a%02d.vdb", "a07.vdb"},
+                {"a.$F4.vdb", "a.0007.vdb"},
+                {"a.$F.vdb", "a.7.vdb"},
+                {"a.<frame>.vdb", "a.0007.vdb"},
+                {"out/a.####.vdb", "out/a.0007.vdb"},
                 {"/x/a.####.vdb", "/x/a.0007.vdb"}};
   for (const auto& [name, at7] : kCases) {
     const FrameName frames(name);

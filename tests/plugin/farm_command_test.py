@@ -145,8 +145,8 @@ class SkipExisting(Case):
 
 
 class Progress(Case):
-    # Some seconds of work, in many pieces.
-    LONG = ("bake", ANIMATED, "--resolution", "64", "--frames", "1-6")
+    # A second or so of work, in many pieces.
+    LONG = ("bake", ANIMATED, "--resolution", "36", "--frames", "1-4")
 
     def told(self, style, *more):
         result = OCTETVDB.run(*self.LONG, "-o", self.path("a.#.vdb"), "--progress", style, *more)
@@ -185,7 +185,7 @@ class Progress(Case):
 
     def test_json_beside_a_document(self):
         out, lines = self.told("json", "--json")
-        self.assertEqual(len(json.loads(out)["files"]), 6)
+        self.assertEqual(len(json.loads(out)["files"]), 4)
         reports = [json.loads(line) for line in lines]
         fractions = [r["fraction"] for r in reports]
         self.assertEqual(fractions, sorted(fractions))
@@ -202,7 +202,7 @@ class Grants(Case):
 
     def threads(self, environment, *options):
         """The most threads that the command had at once."""
-        process = OCTETVDB.start("bake", BOX, "--form", "velocity", "--resolution", "100", "-o",
+        process = OCTETVDB.start("bake", BOX, "--form", "velocity", "--resolution", "50", "-o",
                                  self.path("a.vdb"), *options, env={**os.environ, **environment})
         most = 0
         while process.poll() is None:
@@ -217,11 +217,12 @@ class Grants(Case):
 
     @unittest.skipIf(os.cpu_count() < 2, "one processor")
     def test_threads(self):
-        self.assertGreater(self.threads({}), 1)
-        self.assertEqual(self.threads({"SLURM_CPUS_PER_TASK": "1"}), 1)
-        self.assertEqual(self.threads({"CUE_THREADS": "1"}), 1)
-        self.assertGreater(self.threads({"CUE_THREADS": "1"}, "--threads", "2"), 1)
-        self.assertGreater(self.threads({"CUE_THREADS": "many"}), 1)
+        one = self.threads({}, "--threads", "1")  # and those of a library, which idle
+        self.assertGreater(self.threads({}), one)
+        self.assertEqual(self.threads({"SLURM_CPUS_PER_TASK": "1"}), one)
+        self.assertEqual(self.threads({"CUE_THREADS": "1"}), one)
+        self.assertGreater(self.threads({"CUE_THREADS": "1"}, "--threads", "2"), one)
+        self.assertGreater(self.threads({"CUE_THREADS": "many"}), one)
 
     def test_memory(self):
         for name, value in (("SLURM_MEM_PER_NODE", "40"), ("CUE_MEMORY", "40960")):

@@ -316,8 +316,12 @@ def test_everything_is_documented_and_typed():
     stubs = {node.name: node for node in tree.body
              if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
     public = {name for name in dir(compiled) if not name.startswith("_")}
+    values = {node.target.id for node in tree.body if isinstance(node, ast.AnnAssign)
+              and not node.target.id.startswith("_")}
+    assert values <= public
+    public -= values
     assert set(stubs) == public
-    assert public | {"__version__", "from_meshio", "preview", "to_meshio"} == set(octetvdb.__all__)
+    assert public | values | {"__version__", "from_meshio", "preview", "to_meshio"} == set(octetvdb.__all__)
     for name, node in stubs.items():
         thing = getattr(compiled, name)
         assert thing.__doc__, name
