@@ -39,7 +39,8 @@ class DampedMoves {
 
   /// Halves what turns cells over, or at last drops it. @return is there any?
   bool damp(bool drop) {
-    std::vector<char> touched(moves_.size(), 0);
+    Array<char> touched;
+    touched.assign(moves_.size(), 0);
     bool any = false;
     for (const Index cell : cells_) {
       if (volume(cell) > 0) continue;
