@@ -41,11 +41,11 @@ foreach(component IN LISTS OCTETVDB_COMPONENTS)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package_of_${component}})
 endforeach()
 
-set(CPACK_COMPONENT_COMMAND_DESCRIPTION "Exactly incompressible velocity fields, baked to OpenVDB
+set(CPACK_DEBIAN_COMMAND_DESCRIPTION "Exactly incompressible velocity fields, baked to OpenVDB
  The command octetvdb, with its man page and completion for bash.")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS octetvdb-gmsh)
 
-set(CPACK_COMPONENT_GMSH_DESCRIPTION "Tetrahedra for octetvdb
+set(CPACK_DEBIAN_GMSH_DESCRIPTION "Tetrahedra for octetvdb
  The program that reads and makes tetrahedral meshes for octetvdb, with Gmsh and CGAL.")
 if(OCTETVDB_WITH_GMSH)  # it loads Gmsh while it runs
   file(REAL_PATH ${GMSH_LIBRARY} file)
@@ -54,7 +54,7 @@ if(OCTETVDB_WITH_GMSH)  # it loads Gmsh while it runs
   set(CPACK_DEBIAN_GMSH_PACKAGE_DEPENDS ${owner})
 endif()
 
-set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "The library below octetvdb
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "The library below octetvdb
  Headers, static libraries and a CMake package, OctetVDB.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
@@ -65,14 +65,14 @@ if(OCTETVDB_WITH_PICTURES)
 endif()
 
 math(EXPR next "${Python_VERSION_MINOR} + 1")
-set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python module octetvdb
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The Python module octetvdb
  Exactly incompressible velocity fields, authored with numpy and baked to OpenVDB.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
   "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS octetvdb-gmsh)
 
-set(CPACK_COMPONENT_BLENDER_DESCRIPTION "OctetVDB's add-on for Blender
+set(CPACK_DEBIAN_BLENDER_DESCRIPTION "OctetVDB's add-on for Blender
  In Edit > Preferences > Add-ons, where it can be enabled.")
 set(CPACK_DEBIAN_BLENDER_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_BLENDER_PACKAGE_SHLIBDEPS OFF)

@@ -4,10 +4,13 @@
 #include <CLI/Version.hpp>
 #include <nlohmann/json.hpp>
 
+#include <tbb/global_control.h>
+
 #include <octet/converters/versions.h>
 #ifdef OCTETVDB_WITH_PICTURES
 #include <octet/converters/picture/versions.h>
 #endif
+#include <octet/core/base/memory_budget.h>
 #include <octet/version.h>
 
 namespace octet::cli {
@@ -32,17 +35,20 @@ nlohmann::ordered_json versions() {
 #else
       false;
 #endif
-  return {{"octetvdb", kVersion},
-          {"libraries", std::move(libraries)},
-          {"compiler",
+  return {
+      {"octetvdb", kVersion},
+      {"libraries", std::move(libraries)},
+      {"compiler",
 #ifdef __clang__
-           "Clang " __clang_version__
+       "Clang " __clang_version__
 #else
-           "GCC " __VERSION__
+       "GCC " __VERSION__
 #endif
-          },
-          {"pictures", pictures},
-          {"thesis", thesis}};
+      },
+      {"pictures", pictures},
+      {"thesis", thesis},
+      {"threads", tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)},
+      {"memory_bytes", memoryLimit()}};
 }
 
 }  // namespace octet::cli

@@ -5,7 +5,8 @@
 
 namespace octet::cli {
 
-/// The command's version, those of the libraries that it runs with, and what it was built with.
+/// The command's version, those of the libraries that it runs with, what it was built with, and the
+/// threads and memory that it may use here.
 nlohmann::ordered_json versions();
 
 }  // namespace octet::cli

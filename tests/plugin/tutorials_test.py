@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 
-PROGRAMS = {os.path.basename(p).removeprefix("tutorial_"): p for p in sys.argv[1:]}
+PROGRAMS = {os.path.basename(p).removeprefix("tutorial_"): os.path.abspath(p) for p in sys.argv[1:]}
 del sys.argv[1:]
 SAMPLES = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../samples"))
 
