@@ -97,7 +97,7 @@ ContentTags::ContentTags(const ControlAsset& asset, const BakeOptions& options,
     bytes.add(tagged.grid);
     bytes.add(tagged.mode);
   }
-  common_ = bytes.take();
+  common_ = tagOf(bytes.take());
 }
 
 std::string ContentTags::of(std::optional<int> frame) const {

@@ -34,7 +34,7 @@ class ContentTags {
  private:
   const ControlAsset& asset_;
   std::vector<TaggedForm> forms_;
-  std::string common_;  // what all frames share, as bytes
+  std::string common_;  // tag of what all frames share
 };
 
 }  // namespace octet

@@ -162,9 +162,9 @@ class Progress(Case):
 
     def test_off_a_terminal_it_is_told_but_not_of_short_work(self):
         slow = OCTETVDB.run("bake", BOX, "--form", "velocity", "--resolution", "200", "-o",
-                            self.path("a.vdb"), "--threads", "1")
+                            self.path("a.vdb"), "--threads", "1", progress="auto")
         self.assertRegex(slow.stderr, r"octetvdb: +\d+ %  ")
-        short = OCTETVDB.run("info", BOX)
+        short = OCTETVDB.run("--version", progress="auto")
         self.assertEqual(short.stderr, "")
 
     def test_open_job_description(self):

@@ -6,6 +6,7 @@ Skipped where Slurm cannot be started. Arguments: the octetvdb command.
 
 OCTETVDB_FARM_LOG names a file for the log of the run, OCTETVDB_FARM_KILLS how many tasks are killed."""
 import hashlib
+import importlib.util
 import os
 import random
 import re
@@ -23,6 +24,8 @@ FARM = os.path.join(command.SAMPLES, "farm")
 ASSET = os.path.abspath(os.path.join(command.SAMPLES, "animated", "animated.octet.json"))
 KILLS = int(os.environ.get("OCTETVDB_FARM_KILLS", "8"))
 TIME_LIMIT = 240
+# Seconds that Slurm takes to start a task, on an idle machine.
+LATENCY = 0.5
 
 
 def digests(folder):
@@ -142,10 +145,43 @@ class Farm(unittest.TestCase):
         self.assertGreater(again, 0, self.logs())
         self.assertEqual(digests(os.path.join(self.work, "farm")), self.local(*options), self.logs())
 
+    def check_simulation(self, took):
+        """The schedule by discrete events, of the tasks as they took on two slots, is as long as Slurm
+        took, but for what it takes to start a task here."""
+        spec = importlib.util.spec_from_file_location("simulate", os.path.join(FARM, "simulate.py"))
+        simulate = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(simulate)
+        work = [float(s) for s in re.findall(r"^([\d.]+) s$", self.logs(), re.M)]
+        self.assertEqual(len(work), 6)
+        farm = simulate.Farm(2, link=1e9, server=1e9, latency=LATENCY)
+        foreseen = farm.run([(seconds, 0, 0) for seconds in work])
+        self.say(f"simulated {foreseen:.1f} s, Slurm took {took:.1f} s")
+        self.assertLess(foreseen / 2, took)
+        self.assertLess(took, 2 * foreseen + 5)
+
+    def test_the_page_s_commands(self):
+        with open(os.path.join(FARM, "README.md")) as file:
+            text = re.sub(r"\\\n\s*", "", file.read())
+        lines = re.findall(r"^    (samples/farm/submit.py .*|squeue .*)$", text, re.M)
+        self.assertEqual(len(lines), 2)
+        os.symlink(os.path.abspath(command.SAMPLES), os.path.join(self.work, "samples"))
+        environment = self.slurm.environment
+        path = f"{os.path.dirname(OCTETVDB.path)}:{environment['PATH']}"
+        self.slurm.environment = {**environment, "PATH": path}
+        for line in lines:
+            self.say(self.slurm.run("bash", "-c", line, cwd=self.work).strip())
+        self.slurm.environment = environment
+        self.wait()
+        self.keep_log()
+        self.assertEqual(sorted(os.listdir(os.path.join(self.work, "out"))),
+                         [f"tank.000{frame}.vdb" for frame in range(1, 7)])
+
     def test_what_is_there_is_not_baked_twice(self):
         options = ("--resolution", "32")
+        started = time.monotonic()
         self.submit("farm", *options, "--frames", "1-6")
         self.wait()
+        self.check_simulation(time.monotonic() - started)
         folder = os.path.join(self.work, "farm")
         before = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
         self.assertEqual(len(before), 6)

@@ -19,7 +19,7 @@ ROOT = os.path.abspath(os.path.join(command.SAMPLES, ".."))
 REFERENCE = "plugin/cli/README.md"
 MARK = "<!-- Below: octetvdb --reference markdown. -->\n"
 # Pages whose lines that begin with "octetvdb" are run, in their order.
-PAGES = ["README.md", REFERENCE, "samples/cages/README.md", "samples/conservation/README.md"]
+PAGES = ["README.md", REFERENCE, "samples/cages/README.md"]
 # One page each: what a newcomer looks for.
 TOPICS = {"converters/README.md", "plugin/cli/README.md", "plugin/python/README.md",
           "samples/blender/README.md", "samples/farm/README.md", "core/README.md",
