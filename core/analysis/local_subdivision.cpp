@@ -77,6 +77,7 @@ class LocalSubdivision::Generic {
     sites_ = LatticeSites(*fine_);
     smoothing_ = std::make_unique<Smoothing>(*fine_, boundary_, coarseBoundary_, sites_, kernels_,
                                              &scratch_, options.boundaryRows);
+    smoothing_->moveAll();
   }
 
   /// Gives the star the positions that the patch test is to look at.

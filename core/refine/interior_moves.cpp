@@ -110,25 +110,6 @@ class InteriorLabels {
   const LineStar* line_;
 };
 
-/// Puts rows in order and adds what one coarse edge has in a row, by size: sums then depend on
-/// nothing but what is added.
-void mergeMoves(std::vector<VertexMove>* moves) {
-  const auto row = [](const VertexMove& m) { return std::pair(m.fineVertex, m.coarseEdge); };
-  const auto signless = [](const VertexMove& m) { return std::abs(m.weight); };
-  std::sort(moves->begin(), moves->end(), [&](const VertexMove& a, const VertexMove& b) {
-    return std::tuple(row(a), signless(a), a.weight) < std::tuple(row(b), signless(b), b.weight);
-  });
-  std::size_t kept = 0;
-  for (const VertexMove& move : *moves) {
-    if (kept > 0 && row((*moves)[kept - 1]) == row(move)) {
-      (*moves)[kept - 1].weight += move.weight;
-    } else {
-      (*moves)[kept++] = move;
-    }
-  }
-  moves->resize(kept);
-}
-
 /// A star's vertices by label, and its rule.
 struct RuledStar {
   std::vector<Index> vertices;
@@ -224,21 +205,17 @@ std::vector<StarLimit> interiorLimits(const Complex& complex) {
   return limits;
 }
 
-std::vector<VertexMove> interiorMoves(const IrregularStars& stars) {
+std::vector<StarMoves> interiorMoves(const IrregularStars& stars) {
   const auto ruled = ruledStars(stars);
-  std::vector<std::vector<VertexMove>> claimed(ruled.size());
+  std::vector<StarMoves> claimed(ruled.size());
   parallelFor<std::size_t>(
       ruled.size(),
       [&](std::size_t k) {
-        if (!ruled[k]) return;
-        claimed[k] = claims(stars, *ruled[k]);
-        mergeMoves(&claimed[k]);
+        claimed[k].atWall = false;
+        if (ruled[k]) claimed[k].moves = claims(stars, *ruled[k]);
       },
       16);
-  std::vector<VertexMove> moves;
-  for (const auto& part : claimed) moves.insert(moves.end(), part.begin(), part.end());
-  mergeMoves(&moves);
-  return moves;
+  return claimed;
 }
 
 }  // namespace octet

@@ -10,9 +10,8 @@
 namespace octet {
 
 /// @brief Lists what irregular interior stars add to D1 L1 when a level is split: H1 of SCHEME.md
-/// section 6b. Entries of a row follow each other, rows ascend. Each star's rule is solved once per
-/// process.
-std::vector<VertexMove> interiorMoves(const IrregularStars& stars);
+/// section 6b. Each star's rule is solved once per process.
+std::vector<StarMoves> interiorMoves(const IrregularStars& stars);
 
 /// A star's vertices by label, and the weights with which they make the limit of a 0-form at its
 /// centre, vertices[0].

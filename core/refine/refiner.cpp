@@ -15,9 +15,6 @@ namespace {
 /// (tests/bench/memory.cpp).
 constexpr double kBytesPerCell = 400;
 
-/// In the first splits stars of irregular vertices overlap, and their moves may turn cells over.
-constexpr int kDampedSplits = 2;
-
 /// Reports the building of a level, part by part; what is done is told in cells.
 class LevelProgress {
  public:
@@ -106,9 +103,7 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options, const C
       parallelFor<Index>(fine->complex->vertexCount(),
                          [&](Index v) { fine->positions[v][axis] = result[v]; });
     }
-    if (options.smooth && k <= kDampedSplits) {
-      fine->smoothing->damp(coarse.positions, &fine->positions);
-    }
+    if (options.smooth) fine->smoothing->move(k, coarse.positions, &fine->positions);
     progress.report(LevelProgress::kPositions);
     if (options.smooth && options.patchTest) {
       Array<double> edges(fine->complex->edgeCount());

@@ -79,23 +79,6 @@ void multiply(const double (&matrix)[N][M], const double* input, double* out) {
   std::copy(sum, sum + M, out);
 }
 
-/// Moves as rows, each coarse edge once.
-LocalRows moveRows(const std::vector<VertexMove>& moves) {
-  std::vector<Index> fine;
-  std::vector<std::size_t> begin;
-  for (std::size_t k = 0; k < moves.size(); ++k) {
-    if (!fine.empty() && moves[k].fineVertex == fine.back()) continue;
-    fine.push_back(moves[k].fineVertex);
-    begin.push_back(k);
-  }
-  begin.push_back(moves.size());
-  return LocalRows(fine, [&](Index row, const auto& add) {
-    for (std::size_t k = begin[row]; k < begin[row + 1]; ++k) {
-      add(moves[k].coarseEdge, moves[k].weight);
-    }
-  });
-}
-
 }  // namespace
 
 Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const Boundary& coarseBoundary,
@@ -110,20 +93,26 @@ Smoothing::Smoothing(const Complex& fine, const Boundary& boundary, const Bounda
       rows_(rows),
       stars_(c_) {
   const IrregularStars irregular(c_);
-  std::vector<VertexMove> moves = interiorMoves(irregular);
+  asked_ = interiorMoves(irregular);
   // Stars of a control mesh overlap at walls, and would disturb each other.
-  if (rows == BoundaryRows::Smooth && c_.coarse) {
-    const std::vector<VertexMove> atWalls = wallMoves(c_, coarseBoundary);
-    moves.insert(moves.end(), atWalls.begin(), atWalls.end());
-    std::stable_sort(moves.begin(), moves.end(), [](const VertexMove& a, const VertexMove& b) {
-      return a.fineVertex < b.fineVertex;
-    });
-  }
-  moves_ = moveRows(moves);
+  if (rows == BoundaryRows::Smooth && c_.coarse) wallMoves(c_, coarseBoundary, &asked_);
   fluxes_ = FluxStars(irregular, f_);
   vertices_.assign(f_.vertexCount(), 0);
-  for (const VertexMove& move : moves) vertices_[move.fineVertex] = kMoved;
   classify();
+}
+
+void Smoothing::move(int level, const Array<Vec3>& before, Array<Vec3>* after) {
+  setMoves(soundMoves(f_, level, before, std::move(asked_), after));
+}
+
+void Smoothing::setMoves(const std::vector<StarMoves>& stars) {
+  moves_ = moveRows(stars);
+  asked_ = {};
+  for (const Index v : moves_.fine()) vertices_[v] |= kMoved;
+  parallelFor<Index>(f_.edgeCount(), [&](Index e) {
+    if (!(edges_[e] & kRegular)) return;
+    for (const Index v : f_.edges[e]) edges_[e] |= vertices_[v] & kMoved;
+  });
 }
 
 void Smoothing::classify() {
@@ -142,10 +131,7 @@ void Smoothing::classify() {
     }
   });
   parallelFor<Index>(f_.edgeCount(), [&](Index e) {
-    if (edges_[e] & kRegular) {
-      for (const Index v : f_.edges[e]) edges_[e] |= vertices_[v] & kMoved;
-      return;
-    }
+    if (edges_[e] & kRegular) return;
     if (rows_ == BoundaryRows::Star || !f_.edgeOnBoundary(e)) edges_[e] = kStarRow;
     for (const Index v : f_.edges[e]) {
       if (byStar(v)) orRelaxed(&vertices_[v], kNeedsRow);

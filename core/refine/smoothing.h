@@ -9,9 +9,9 @@
 #include "../topology/local_rows.h"
 #include "flux_stars.h"
 #include "linear_blocks.h"
-#include "move_damping.h"
 #include "patch_test.h"
 #include "star_sums.h"
+#include "vertex_moves.h"
 
 namespace octet {
 
@@ -37,10 +37,13 @@ class Smoothing {
             const LatticeSites& sites, const CellKernels& kernels, ScratchPool* scratch,
             BoundaryRows rows = BoundaryRows::Smooth);
 
-  /// Damps the moves that turn cells over (dampMoves); before anything else is applied.
-  void damp(const Array<Vec3>& coarsePositions, Array<Vec3>* positions) {
-    dampMoves(f_, coarsePositions, &moves_, positions);
-  }
+  /// Lets irregular stars move their children: those whose moves are sound (soundMoves). Before it
+  /// no star moves anything.
+  /// @param before  positions of the coarse level
+  /// @param after   positions without moves; with them on return
+  void move(int level, const Array<Vec3>& before, Array<Vec3>* after);
+  /// Lets all irregular stars move their children.
+  void moveAll() { setMoves(asked_); }
 
   void apply0(const double* coarse, const double* linear, double* out) const;
   void apply1(const double* coarse, const double* linear, const Correction& correction,
@@ -78,6 +81,7 @@ class Smoothing {
     kMoved = 8,     // has a row of H1; of an edge: regular, but an end has one
   };
   void classify();
+  void setMoves(const std::vector<StarMoves>& stars);
   /// Is the vertex smoothed by a mean over its star?
   bool byStar(Index vertex) const {
     return rows_ == BoundaryRows::Star || !f_.vertexOnBoundary(vertex);
@@ -96,9 +100,10 @@ class Smoothing {
   const CellKernels& kernels_;
   ScratchPool* scratch_;
   BoundaryRows rows_;
-  StarSums stars_;    // over coarse cells
-  LocalRows moves_;   // H1
-  FluxStars fluxes_;  // H2
+  StarSums stars_;                // over coarse cells
+  std::vector<StarMoves> asked_;  // until it is known which are made
+  LocalRows moves_;               // H1
+  FluxStars fluxes_;              // H2
   // Per fine simplex: RowFlag bits.
   Array<std::uint8_t> vertices_, edges_, facets_, cells_;
   Array<std::uint8_t> needsStarRows_;  // per coarse cell: has an irregular edge or vertex

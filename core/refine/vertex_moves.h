@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../topology/local_rows.h"
 #include "../topology/star_walk.h"
 
 namespace octet {
@@ -16,6 +17,27 @@ struct VertexMove {
   Index coarseEdge;
   double weight;  ///< along the edge's stored direction
 };
+
+/// @brief What the rule of one irregular star asks of the children around it. Children that several
+/// stars ask for get the sum inside, and the mean at walls.
+struct StarMoves {
+  bool atWall;
+  std::vector<VertexMove> moves;  ///< those of a child follow each other
+};
+
+/// Makes rows of the moves of stars. They depend on nothing but the moves, whatever their order.
+LocalRows moveRows(const std::vector<StarMoves>& stars);
+
+/// @brief Leaves out stars whose moves spoil cells, since irregular stars overlap in the first
+/// splits, and since a smooth wall flattens cells beside it: a fine cell that a star has a hand in
+/// must keep a share of the volume that it has without moves, and must not be turned over without
+/// them (SCHEME.md section 6b). The criterion does not change under affine maps; it depends on
+/// positions alone, so that it is static for an animated asset.
+/// @param level   of `fine`: stars inside are only looked at in the first splits
+/// @param before  positions of the level that is split
+/// @param after   positions without moves; with those of the stars that are left on return
+std::vector<StarMoves> soundMoves(const Complex& fine, int level, const Array<Vec3>& before,
+                                  std::vector<StarMoves> stars, Array<Vec3>* after);
 
 /// Weights below this are nothing.
 inline constexpr double kNoMove = 1e-15;

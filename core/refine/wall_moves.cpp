@@ -2,7 +2,6 @@
 #include "wall_moves.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include "../base/parallel.h"
@@ -122,27 +121,15 @@ std::vector<VertexMove> claims(const Complex& coarse, const Boundary& boundary, 
 
 }  // namespace
 
-std::vector<VertexMove> wallMoves(const Complex& coarse, const Boundary& boundary) {
+void wallMoves(const Complex& coarse, const Boundary& boundary, std::vector<StarMoves>* stars) {
   std::vector<std::vector<VertexMove>> claimed(static_cast<std::size_t>(boundary.vertexCount()));
   parallelFor<std::size_t>(
       claimed.size(),
       [&](std::size_t row) { claimed[row] = claims(coarse, boundary, static_cast<Index>(row)); },
       16);
-  std::map<Index, int> claimants;
-  std::vector<VertexMove> moves;
-  for (const std::vector<VertexMove>& part : claimed) {
-    Index last = kNone;
-    for (const VertexMove& move : part) {
-      if (move.fineVertex != last) ++claimants[move.fineVertex];
-      last = move.fineVertex;
-    }
-    moves.insert(moves.end(), part.begin(), part.end());
+  for (std::vector<VertexMove>& moves : claimed) {
+    if (!moves.empty()) stars->push_back({true, std::move(moves)});
   }
-  for (VertexMove& move : moves) move.weight /= claimants[move.fineVertex];
-  std::stable_sort(moves.begin(), moves.end(), [](const VertexMove& a, const VertexMove& b) {
-    return a.fineVertex < b.fineVertex;
-  });
-  return moves;
 }
 
 }  // namespace octet

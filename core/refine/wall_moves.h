@@ -8,13 +8,12 @@
 
 namespace octet {
 
-/// @brief Lists the rows that the smooth wall adds to D1 L1 when a level that is not the control
-/// mesh is split (SCHEME.md section 8b): a 0-form refines by S0 - H d0, H the matrix of these
-/// entries. Entries of a row follow each other, rows ascend.
+/// @brief Appends the moves that the smooth wall adds to D1 L1 when a level that is not the control
+/// mesh is split (SCHEME.md section 8b).
 ///
-/// Depends on topology, creases and corners alone. Each star's rule is solved once per process.
+/// They depend on topology, creases and corners alone. Each star's rule is solved once per process.
 /// @param coarse    the level that is split
 /// @param boundary  of `coarse`
-std::vector<VertexMove> wallMoves(const Complex& coarse, const Boundary& boundary);
+void wallMoves(const Complex& coarse, const Boundary& boundary, std::vector<StarMoves>* stars);
 
 }  // namespace octet

@@ -24,12 +24,6 @@ class LocalRows {
   bool empty() const { return fine_.empty(); }
   /// The fine simplices that have a row, ascending.
   const Array<Index>& fine() const { return fine_; }
-  /// Multiplies rows by a factor each.
-  void scale(const std::vector<double>& factors) {
-    for (std::size_t k = 0; k < fine_.size(); ++k) {
-      for (Index t = begin_[k]; t < begin_[k + 1]; ++t) terms_[t].weight *= factors[k];
-    }
-  }
   /// Calls `add(coarse simplex, weight times the row's)` for the row of a fine simplex, if any.
   template <typename Add>
   void row(Index fine, double weight, const Add& add) const;
