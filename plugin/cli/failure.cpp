@@ -74,11 +74,8 @@ int tell(const Failure& failure, bool json) {
   if (progressStyle() == ProgressStyle::OpenJd) {
     std::cerr << "openjd_fail: " << message << "\n";
   }
-  if (json) {
-    std::cout << text({{"error", toJson(failure)}}) << std::endl;
-  } else {
-    std::cerr << "octetvdb: " << message << "\n";
-  }
+  if (json) std::cout << text({{"error", toJson(failure)}}) << std::endl;
+  std::cerr << "octetvdb: " << message << "\n";
   return failure.code;
 }
 

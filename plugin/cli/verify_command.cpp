@@ -70,7 +70,7 @@ void run(const Arguments& arguments) {
   nlohmann::ordered_json document = documentOf(arguments, grids);
   if (failure) document["error"] = toJson(failureOf(*failure));
   std::cout << text(document) << "\n";
-  if (failure) throw AlreadyTold{kFailed};
+  if (failure) throw AlreadyTold{tell(failureOf(*failure), false)};
 }
 
 std::string checkLimit(const std::string& text) {

@@ -238,9 +238,10 @@ class Grants(Case):
 class Json(Case):
     def error(self, code, *arguments, **options):
         result = OCTETVDB.run(*arguments, "--json", **options)
-        self.assertEqual((result.returncode, result.stderr), (code, ""))
+        self.assertEqual((result.returncode, result.stderr.count("\n")), (code, 1))
         error = json.loads(result.stdout)["error"]
         self.assertEqual(error["code"], code)
+        self.assertEqual(result.stderr, f"octetvdb: {error['message']}\n")
         return error
 
     def test_errors_are_documents(self):
@@ -263,7 +264,7 @@ class Json(Case):
         out = self.path("a.vdb")
         self.succeed("bake", BOX, "--form", "velocity", "--resolution", "12", "-o", out)
         result = OCTETVDB.run("verify", out, "--max-divergence", "1e-12", "--json")
-        self.assertEqual((result.returncode, result.stderr), (1, ""))
+        self.assertEqual((result.returncode, result.stderr.count("\n")), (1, 1))
         document = json.loads(result.stdout)
         self.assertEqual(document["error"]["place"], "velocity")
         self.assertEqual(len(document["grids"]), 1)
