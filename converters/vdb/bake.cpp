@@ -140,8 +140,9 @@ BakeForecast foreseeBake(const ControlAsset& asset, const BakeOptions& options,
                         describe(*unrefinedMesh, forecast.resolution.fineEdge)};
   const ControlForms forms(asset, options);
   const Planner planner(forms, options, facts);
+  const ContentTags tags = tagsOf(asset, options, forecast.resolution, choice, forms);
   for (const auto& [to, frame] : filesOf(choice, path)) {
-    PlannedFile file{to, frame, {}};
+    PlannedFile file{to, frame, {}, options.skipExisting && isThere(to, tags.of(frame))};
     for (const Form* form : choice.forms()) {
       file.grids.push_back(
           planner.plan(planner.find(*form, choice.gridName(*form), frame, context)));

@@ -37,6 +37,7 @@ struct PlannedFile {
   std::string path;
   std::optional<int> frame;
   std::vector<BakePlan> grids;
+  bool skipped = false;  ///< it is there, and a bake would leave it
 };
 
 /// What a bake would do.

@@ -25,6 +25,9 @@ struct Arguments {
   BakeOptions options;
 };
 
+/// Said behind a file's name.
+constexpr const char* kSkipped = "  is there, from the same asset and options";
+
 /// Digits only, and nothing after them.
 std::optional<int> parseNumber(std::string_view text) {
   int number = 0;
@@ -109,8 +112,7 @@ void print(const BakeReport& report, double seconds, bool json) {
   std::printf("%d levels, %s cells, mean edge %.4g, voxel %.4g\n", report.levels,
               grouped(report.cells).c_str(), report.meanEdge, report.voxelSize);
   for (const BakedFile& file : report.files) {
-    std::printf("%s%s\n", file.path.c_str(),
-                file.skipped ? "  is there, from the same asset and options" : "");
+    std::printf("%s%s\n", file.path.c_str(), file.skipped ? kSkipped : "");
     for (const VdbGridInfo& grid : file.grids) {
       std::printf("  %s  %s%s, %s active voxels, %s %.4g to %.4g\n", grid.name.c_str(),
                   grid.type.c_str(), grid.half ? " (half)" : "",
@@ -155,6 +157,7 @@ void printJson(const BakeForecast& forecast) {
   for (const PlannedFile& file : forecast.files) {
     nlohmann::ordered_json entry = {{"path", file.path}};
     if (file.frame) entry["frame"] = *file.frame;
+    if (file.skipped) entry["skipped"] = true;
     entry["grids"] = nlohmann::ordered_json::array();
     for (const BakePlan& plan : file.grids) entry["grids"].push_back(toJson(plan));
     files.push_back(std::move(entry));
@@ -177,7 +180,7 @@ void print(const BakeForecast& forecast) {
               grouped(std::llround(r.cells)).c_str(), r.fineEdge, r.voxelSize);
   std::printf("needs up to %.2g of %.2g GB of memory\n", r.bytes / 1e9, forecast.memory / 1e9);
   for (const PlannedFile& file : forecast.files) {
-    std::printf("%s\n", file.path.c_str());
+    std::printf("%s%s\n", file.path.c_str(), file.skipped ? kSkipped : "");
     for (const BakePlan& plan : file.grids) {
       std::printf("  %s  from form %s, %s, %s boundary\n", plan.grid.c_str(), plan.form.c_str(),
                   name(plan.reconstruction), boundaryWord(plan.boundaryRule, plan.mode).c_str());

@@ -20,20 +20,22 @@ def make_outline(ours, bake):
     job = outline.Outline("octetvdb", show=ours.show, shot=ours.shot, user=getpass.getuser())
     resources = {"chunk": 1, "threads": ours.threads, "threadable": True, "range": ours.frames,
                  "memory": ours.memory}
-    command = ["octetvdb", "bake", ours.asset, "-o", ours.output, *bake, "--frames", "#IFRAME#",
-               "--skip-existing"]
+    parts = [ours.output]
+    if ours.shards > 1:
+        parts = [ours.output.removesuffix(".vdb") + f".shard{k}of{ours.shards}.vdb"
+                 for k in range(1, ours.shards + 1)]
     layers = []
-    for shard in range(1, ours.shards + 1):
-        part = ["--shard", f"{shard}/{ours.shards}"] if ours.shards > 1 else []
-        layers.append(outline.modules.shell.Shell(f"bake{shard}", command=command + part,
-                                                  **resources))
+    for shard, part in enumerate(parts, 1):
+        command = ["octetvdb", "bake", ours.asset, "-o", part, *bake, "--frames", "#IFRAME#",
+                   "--skip-existing"]
+        if ours.shards > 1:
+            command += ["--shard", f"{shard}/{ours.shards}"]
+        layers.append(outline.modules.shell.Shell(f"bake{shard}", command=command, **resources))
         job.add_layer(layers[-1])
     if ours.shards > 1:
-        whole = ours.output.replace("####", "#ZFRAME#")
-        parts = [whole.replace(".vdb", f".shard{k}of{ours.shards}.vdb")
-                 for k in range(1, ours.shards + 1)]
+        names = [name.replace("####", "#ZFRAME#") for name in (*parts, ours.output)]
         merge = outline.modules.shell.Shell(
-            "merge", command=["octetvdb", "merge", *parts, "-o", whole], **resources)
+            "merge", command=["octetvdb", "merge", *names[:-1], "-o", names[-1]], **resources)
         for layer in layers:
             merge.depend_on(layer)
         job.add_layer(merge)

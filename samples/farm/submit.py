@@ -22,10 +22,10 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 
 def planned(octetvdb, bake):
     """What a dry run says: files with frames, and memory."""
-    done = subprocess.run([octetvdb, "bake", *bake, "--dry-run", "--json"], capture_output=True,
-                          text=True)
+    done = subprocess.run([octetvdb, "bake", *bake, "--skip-existing", "--dry-run", "--json"],
+                          capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit(json.loads(done.stdout)["error"]["message"])
+        sys.exit(done.stderr.strip())
     return json.loads(done.stdout)
 
 
@@ -44,25 +44,33 @@ def sbatch(script, arguments, count, options, environment):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--frames", help="such as 1-10, 1-10x2 or 1,3,7-9; all by default")
+    parser.add_argument("-o", "--output", required=True, help="such as tank.####.vdb")
     parser.add_argument("--shards", type=int, default=1, help="tasks of one frame")
     parser.add_argument("--octetvdb", default="octetvdb", help="the command, on every node")
     parser.add_argument("--sbatch", default="", help="options of sbatch, such as \"-p render\"")
     ours, bake = parser.parse_known_args()
-    plan = planned(ours.octetvdb, [*bake, *(["--frames", ours.frames] if ours.frames else [])])
-    files = plan["files"]
-    if any("frame" not in file for file in files):
+    frames = ["--frames", ours.frames] if ours.frames else []
+    if not any(mark in ours.output for mark in "#@%$<"):
+        ours.output = ours.output.removesuffix(".vdb") + ".####.vdb"
+    plan = planned(ours.octetvdb, [*bake, "-o", ours.output, *frames])
+    if any("frame" not in file for file in plan["files"]):
         sys.exit("the asset is not animated: bake it with one command")
+    files = [file for file in plan["files"] if not file.get("skipped")]
+    there = len(plan["files"]) - len(files)
+    if there:
+        print(f"{there} frames are there")
+    if not files:
+        return
     environment = {"OCTETVDB": ours.octetvdb, "OCTETVDB_SHARDS": str(ours.shards),
+                   "OCTETVDB_OUTPUT": ours.output,
                    "OCTETVDB_FRAMES": " ".join(str(file["frame"]) for file in files)}
     options = shlex.split(ours.sbatch)
     if not any(o.startswith("--mem") for o in options):
         options.append(f"--mem={math.ceil(plan['bytes'] / 1e6) + 200}M")
     array = sbatch("bake.sbatch", bake, len(files) * ours.shards, options, environment)
-    print(f"array {array}: {len(files)} frames, {ours.shards} tasks each, {options[-1]}")
+    print(f"array {array}: {len(files)} frames, {ours.shards} tasks each, {' '.join(options)}")
     if ours.shards > 1:
-        wholes = [file["path"] for file in files]
-        parts = [part for file in files for part in file["shards"]]
-        merge = sbatch("merge.sbatch", [*wholes, "--", *parts], len(files),
+        merge = sbatch("merge.sbatch", [file["path"] for file in files], len(files),
                        [f"--dependency=afterok:{array}", *options], environment)
         print(f"array {merge}: merges them")
 

@@ -185,22 +185,26 @@ class Farm(unittest.TestCase):
         folder = os.path.join(self.work, "farm")
         before = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
         self.assertEqual(len(before), 6)
-        self.submit("farm", *options, "--frames", "1-12")
+        os.truncate(os.path.join(folder, "tank.0004.vdb"), 1000)
+        said = self.submit("farm", *options, "--frames", "1-12")
+        self.assertIn("5 frames are there", said)
+        self.assertIn("7 frames, 1 tasks each", said)
         self.wait()
         self.keep_log()
         after = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
         self.assertEqual(len(after), 12)
+        del before["tank.0004.vdb"]
         self.assertEqual({name: after[name] for name in before}, before)
-        self.assertEqual(self.logs().count("is there, from the same asset and options"), 6)
+        self.assertNotIn("tasks", self.submit("farm", *options, "--frames", "1-12"))
         self.assertEqual(digests(folder), self.local(*options, "--frames", "1-12"))
 
     def test_a_task_without_memory_is_held(self):
         environment = dict(self.slurm.environment)
-        self.slurm.environment.update(OCTETVDB=OCTETVDB.path, OCTETVDB_FRAMES="1", OCTETVDB_SHARDS="1")
+        self.slurm.environment.update(OCTETVDB=OCTETVDB.path, OCTETVDB_FRAMES="1", OCTETVDB_SHARDS="1",
+                                      OCTETVDB_OUTPUT=os.path.join(self.work, "a.####.vdb"))
         job = self.slurm.run("sbatch", "--parsable", "--array=0-0", "--mem=30M",
                              f"--output={self.work}/%A_%a.log", os.path.join(FARM, "bake.sbatch"),
-                             ASSET, "-o", os.path.join(self.work, "a.####.vdb"), "--resolution",
-                             "64").strip()
+                             ASSET, "--resolution", "64").strip()
         self.slurm.environment = environment
         deadline = time.monotonic() + 60
         while "held state" not in self.slurm.run("squeue", "-h", "-r", "-o", "%r"):
