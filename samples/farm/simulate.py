@@ -112,7 +112,8 @@ def measure(octetvdb):
     rows, seconds, size = [], [], []
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "a.vdb")
-        for levels, resolution in ((1, 24), (3, 48), (3, 96), (4, 96), (3, 128), (4, 160), (3, 192)):
+        for levels, resolution in ((1, 24), (3, 48), (3, 96), (4, 96), (3, 128), (2, 192), (4, 160),
+                                   (3, 192)):
             runs = [bake_once(octetvdb, out, levels, resolution) for _ in range(2)]
             took, cells, voxels = min(runs)
             rows.append([1, cells, voxels])
@@ -129,7 +130,7 @@ def measure(octetvdb):
 
 def plan(ours, costs):
     voxels = ours.fill * ours.resolution ** 3
-    cells = voxels * ours.cells_per_voxel
+    cells = ours.cells
     whole = costs["bytes_per_voxel"] * voxels
     print(f"{ours.frames} frames of {voxels / 1e6:.0f} million voxels, {cells / 1e6:.0f} million cells, "
           f"{whole / 1e9:.1f} GB each")
@@ -154,7 +155,7 @@ def main():
     planned.add_argument("--frames", type=int, default=1000)
     planned.add_argument("--resolution", type=int, default=1024)
     planned.add_argument("--fill", type=float, default=0.44, help="share of the cube that is active")
-    planned.add_argument("--cells-per-voxel", type=float, default=0.125)
+    planned.add_argument("--cells", type=float, default=1.2e6, help="of the finest level")
     planned.add_argument("--machines", type=int, nargs="+", default=[1, 10, 100, 1000])
     planned.add_argument("--slots", type=int, default=1, help="tasks at once on a machine")
     planned.add_argument("--threads", type=float, default=1, help="how much faster than one thread")
