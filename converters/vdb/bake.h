@@ -21,6 +21,7 @@ struct BakeReport {
   std::int64_t cells = 0;  ///< at the finest level
   double voxelSize = 0, meanEdge = 0;
   std::string note;  ///< what the target's importer has to do
+  std::string part;  ///< "shard 2 of 7", "region"; empty: the whole
   std::vector<BakedFile> files;
 };
 

@@ -5,7 +5,6 @@
 
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/with_degree.h>
-#include <octet/core/topology/domain_box.h>
 #include <octet/core/topology/mean_edge.h>
 
 namespace octet {
@@ -16,7 +15,9 @@ constexpr double kCancelled = 1e-14;
 
 }  // namespace
 
-MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake, const Context& context) {
+MeshFacts findMeshFacts(const ControlAsset& asset, const BakeOptions& bake,
+                        const Context& context) {
+  const ControlMesh& mesh = asset.mesh;
   RefinerOptions options;
   options.levels = 1;
   options.zeta = bake.zeta;
@@ -26,7 +27,9 @@ MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake, const 
   const Limit limit(refiner);
   MeshFacts facts;
   facts.controlEdge = meanEdge(*mesh.complex(), mesh.positions());
-  facts.longestSide = domainBox(refiner.finest(), limit.positions()).size().maxCoeff();
+  facts.turn = turnFor(asset.units.upAxis, bake);
+  facts.domain = DomainShape(refiner.finest(), limit.positions(), facts.turn);
+  facts.longestSide = facts.domain.box().size().maxCoeff();
   facts.firstEdge = meanEdge(refiner.finest(), limit.positions());
   facts.tets = static_cast<double>(mesh.complex()->tetCount());
   facts.octs = static_cast<double>(mesh.complex()->octCount());

@@ -5,8 +5,8 @@
 
 namespace octet {
 
-/// Refines a mesh once to see what the levels after it will be like.
-MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake,
+/// Refines an asset's mesh once to see what the levels after it will be like.
+MeshFacts findMeshFacts(const ControlAsset& asset, const BakeOptions& bake,
                         const Context& context = {});
 
 /// Tells what a subdivision can do. @param fineEdge  mean edge of the finest level

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <octet/core/field/field.h>
-#include <octet/core/raster/tile.h>
 
 #include "../control_asset/refined_document.h"
+#include "grid_part.h"
 
 namespace octet {
 
@@ -38,6 +38,8 @@ struct BakeOptions {
   /// Leave files that are there, complete and made from the same (content_tag.h).
   bool skipExisting = false;
   double zeta = kDefaultZeta;
+  std::optional<Box> region;   ///< bake only the leaves that it meets, world units of the asset
+  std::optional<Shard> shard;  ///< bake only one of several parts
 };
 
 }  // namespace octet

@@ -60,9 +60,10 @@ void add(Bytes* bytes, const ControlMesh& mesh) {
 /// Every option is named here, so that a new one does not compile before it is thought of.
 void add(Bytes* bytes, const BakeOptions& options) {
   const auto& [forms, derivative, voxelSize, resolution, levels, boundary, wallSurface, sampling,
-               reconstruction, target, method, half, project, frames, skipExisting, zeta] = options;
+               reconstruction, target, method, half, project, frames, skipExisting, zeta, region,
+               shard] = options;
   (void)forms, (void)voxelSize, (void)resolution, (void)levels;  // in forms and plan, resolved
-  (void)frames, (void)skipExisting;                              // choose among files
+  (void)frames, (void)skipExisting, (void)shard;                 // choose among files and parts
   bytes->add(derivative);
   bytes->add(boundary.name);
   bytes->add(wallSurface);
@@ -73,6 +74,8 @@ void add(Bytes* bytes, const BakeOptions& options) {
   bytes->add(half);
   bytes->add(project);
   bytes->add(zeta);
+  bytes->add(region.has_value());
+  if (region) bytes->addAll(std::array<Vec3, 2>{region->min, region->max});
 }
 
 }  // namespace

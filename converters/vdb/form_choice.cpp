@@ -43,10 +43,13 @@ void FormChoice::takeNamed() {
 void FormChoice::findVelocity() {
   for (const int degree : {2, 1}) {
     for (const Form* form : forms_) {
-      const int baked = form->degree + (options_.derivative ? 1 : 0);
-      if (!velocity_ && baked == degree) velocity_ = form;
+      if (!velocity_ && bakedDegree(*form) == degree) velocity_ = form;
     }
   }
+}
+
+int FormChoice::bakedDegree(const Form& form) const {
+  return form.degree + (options_.derivative ? 1 : 0);
 }
 
 void FormChoice::checkNames() const {

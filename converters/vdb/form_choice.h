@@ -16,6 +16,8 @@ class FormChoice {
   FormChoice(const ControlAsset& asset, const BakeOptions& options, const Target& target);
 
   const std::vector<const Form*>& forms() const { return forms_; }
+  /// Degree of what is baked of a form: its own, or its derivative's.
+  int bakedDegree(const Form& form) const;
   /// The form's own name, or what the target looks for when it is the velocity.
   std::string gridName(const Form& form) const;
 

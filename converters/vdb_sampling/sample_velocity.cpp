@@ -114,7 +114,7 @@ class Sampler {
     form.signs.assign(form.simplices.size(), 1);
     for (const auto& [path, number] : sources) {
       context_.report({"sample", report.frames.size(), sources.size(), "files"});
-      const VelocitySource source(path, options_.read);
+      const VelocitySource source(path, options_.read, context_);
       SampledFrame frame = describe(path, number, source);
       const Cochain<K> coefficients = sample(source, &frame);
       measure(source, coefficients, &frame);
@@ -218,7 +218,7 @@ class Sampler {
   }
 
   void measure(const VelocitySource& source, const Cochain<K>& form, SampledFrame* frame) const {
-    const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints);
+    const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints, context_);
     const VectorField field = limitField(form);
     std::vector<Vec3> values(points.size());
     std::vector<std::uint8_t> inside(points.size());

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
+#include "star_sums.h"
 #include "twin_stars.h"
 
 namespace octet {
@@ -13,65 +15,78 @@ namespace octet {
 class FluxStars::Finder {
  public:
   Finder(const FluxPattern& pattern, const Complex& coarse, const Complex& fine)
-      : pattern_(pattern), coarse_(coarse), fine_(fine) {}
+      : coarse_(coarse), fine_(fine) {
+    for (const auto& [a, b] : pattern.edges) edges_.push_back(code(a, b));
+    for (const auto& [a, b, c] : pattern.facets) facets_.push_back(code(a, b, c));
+  }
 
   /// False where cells share more than a facet, so that the star is not the pattern's.
   /// @param vertices  by label
   bool find(const std::vector<Index>& vertices, Oriented* edges, Oriented* facets) const {
-    std::fill(edges, edges + pattern_.edges.size(), Oriented());
-    std::fill(facets, facets + pattern_.facets.size(), Oriented());
-    coarse_.visitVertexStar(vertices[0],
-                            [&](const CellAtVertex& at) { addCell(at, vertices, edges, facets); });
+    std::fill(edges, edges + edges_.size(), Oriented());
+    std::fill(facets, facets + facets_.size(), Oriented());
+    coarse_.visitVertexStar(vertices[0], [&](const CellAtVertex& at) {
+      std::array<std::uint8_t, 6> labels{};
+      for (int k = 0; k < coarse_.cellVertexCount(at.cell); ++k) {
+        const auto found = std::find(vertices.begin(), vertices.end(),  //
+                                     coarse_.cellVertex(at.cell, k));
+        labels[k] = static_cast<std::uint8_t>(found - vertices.begin());
+      }
+      if (coarse_.isTet(at.cell)) {
+        addCell<Tetrahedron>(at, labels, edges, facets);
+      } else {
+        addCell<Octahedron>(at, labels, edges, facets);
+      }
+    });
     const auto found = [](const Oriented& simplex) { return simplex.found(); };
-    return std::all_of(edges, edges + pattern_.edges.size(), found) &&
-           std::all_of(facets, facets + pattern_.facets.size(), found);
+    return std::all_of(edges, edges + edges_.size(), found) &&
+           std::all_of(facets, facets + facets_.size(), found);
   }
 
  private:
-  void addCell(const CellAtVertex& at, const std::vector<Index>& vertices, Oriented* edges,
+  using Code = std::uint32_t;
+  /// Labels as one number; codes ascend as lists of labels do.
+  static Code code(int a, int b, int c = 0) { return static_cast<Code>((a << 8 | b) << 8 | c); }
+
+  template <typename Shape>
+  void addCell(const CellAtVertex& at, const std::array<std::uint8_t, 6>& labels, Oriented* edges,
                Oriented* facets) const {
     const Index child = coarse_.children().cornerChild(at.cell, at.place);
-    const int count = coarse_.cellVertexCount(at.cell);
-    const auto labelOf = [&](Index vertex) {
-      return static_cast<std::uint8_t>(std::find(vertices.begin(), vertices.end(), vertex) -
-                                       vertices.begin());
-    };
-    std::array<std::uint8_t, 6> labels{};
-    for (int k = 0; k < count; ++k) labels[k] = labelOf(coarse_.cellVertex(at.cell, k));
-    for (int i = 0; i < count; ++i) {
-      for (int j = 0; j < count; ++j) {
-        if (labels[i] >= labels[j] || (count == 6 && Octahedron::opposite[i] == j)) continue;
-        const int number = numberIn(pattern_.edges, {labels[i], labels[j]});
-        if (number < 0 || edges[number].found()) continue;
-        const EdgeRef edge = fine_.cellEdge(child, i, j);
-        edges[number] = Oriented(edge.index(), edge.reversed());
-      }
+    for (int k = 0; k < Shape::kEdges; ++k) {
+      int i = Shape::edges[k][0], j = Shape::edges[k][1];
+      if (labels[i] > labels[j]) std::swap(i, j);
+      const int number = numberIn(edges_, code(labels[i], labels[j]));
+      if (number < 0 || edges[number].found()) continue;
+      const EdgeRef edge = fine_.cellEdge(child, i, j);
+      edges[number] = Oriented(edge.index(), edge.reversed());
     }
-    for (int k = 0; k < coarse_.cellFacetCount(at.cell); ++k) {
-      const Index facet = coarse_.cellFacet(at.cell, k).index();
-      const auto stored = coarse_.facetVertices(facet);
-      std::array<std::uint8_t, 3> ordered;
-      for (int j = 0; j < 3; ++j) ordered[j] = labelOf(stored[j]);
-      bool reversed = false;
-      for (int i = 0; i < 3; ++i) {
-        for (int j = i + 1; j < 3; ++j) reversed ^= ordered[i] > ordered[j];
-      }
-      std::sort(ordered.begin(), ordered.end());
-      const int number = numberIn(pattern_.facets, ordered);
-      if (number >= 0) facets[number] = Oriented(facet, reversed);
+    for (int k = 0; k < Shape::kFacets; ++k) {
+      const FacetRef facet = localFacet<Shape>(coarse_, at.cell, k);
+      int a = labels[Shape::facets[k][0]], b = labels[Shape::facets[k][1]],
+          c = labels[Shape::facets[k][2]];
+      bool reversed = facet.sign() < 0;
+      const auto order = [&](int* x, int* y) {
+        if (*x < *y) return;
+        std::swap(*x, *y);
+        reversed = !reversed;
+      };
+      order(&a, &b);
+      order(&b, &c);
+      order(&a, &b);
+      const int number = numberIn(facets_, code(a, b, c));
+      if (number >= 0) facets[number] = Oriented(facet.index(), reversed);
     }
   }
 
-  /// The place of labels in a sorted list, or -1.
-  template <typename Labels>
-  static int numberIn(const std::vector<Labels>& list, const Labels& labels) {
-    const auto found = std::lower_bound(list.begin(), list.end(), labels);
-    return found != list.end() && *found == labels ? static_cast<int>(found - list.begin()) : -1;
+  /// The place of a code in a sorted list, or -1.
+  static int numberIn(const std::vector<Code>& list, Code code) {
+    const auto found = std::lower_bound(list.begin(), list.end(), code);
+    return found != list.end() && *found == code ? static_cast<int>(found - list.begin()) : -1;
   }
 
-  const FluxPattern& pattern_;
   const Complex& coarse_;
   const Complex& fine_;
+  std::vector<Code> edges_, facets_;
 };
 
 FluxStars::FluxStars(const IrregularStars& stars, const Complex& fine) {
@@ -102,13 +117,17 @@ void FluxStars::add(const std::vector<Named>& found, const Complex& coarse, cons
   }
   edges_.resize(edges);
   facets_.resize(facets);
-  std::vector<char> matches(found.size());
+  std::map<const FluxPattern*, Finder> finders;
+  for (const Named& star : found) {
+    finders.try_emplace(star.pattern, *star.pattern, coarse, fine);
+  }
+  std::vector<std::uint8_t> matches(found.size());
   parallelFor<std::size_t>(
       found.size(),
       [&](std::size_t k) {
-        const Finder finder(*found[k].pattern, coarse, fine);
-        matches[k] = finder.find(found[k].vertices, edges_.data() + stars_[k].firstEdge,
-                                 facets_.data() + stars_[k].firstFacet);
+        matches[k] = finders.at(found[k].pattern)
+                         .find(found[k].vertices, edges_.data() + stars_[k].firstEdge,
+                               facets_.data() + stars_[k].firstFacet);
       },
       64);
   std::size_t kept = 0;

@@ -152,15 +152,14 @@ bool free(const IrregularStars& stars, Index vertex) {
 }
 
 /// What one irregular vertex asks of the children around it.
-std::vector<VertexMove> claims(const IrregularStars& stars, const RuledStar& star) {
+StarMoves claims(const IrregularStars& stars, const RuledStar& star) {
   if (!star.rule->moves) return {};
-  const StarPaths paths(stars.complex(), {star.vertices, {}});
+  const StarPaths paths(stars.complex(), star.vertices);
   if (!paths.unique()) return {};
-  std::vector<VertexMove> result;
+  StarMoves result;
   for (std::size_t a = 1; a < star.vertices.size(); ++a) {
     const int label = static_cast<int>(a);
-    if (free(stars, star.vertices[a]))
-      addMoves(paths, label, star.rule->moves->row(label), &result);
+    if (free(stars, star.vertices[a])) result.add(paths, label, star.rule->moves->row(label));
   }
   return result;
 }
@@ -194,7 +193,7 @@ std::vector<StarLimit> interiorLimits(const Complex& complex) {
   };
   const auto add = [&](std::vector<Index> vertices,
                        std::shared_ptr<const Eigen::VectorXd> weights) {
-    if (!alone(vertices) || !StarPaths(complex, {vertices, {}}).unique()) return;
+    if (!alone(vertices) || !StarPaths(complex, vertices).unique()) return;
     limits.push_back({std::move(vertices), std::move(weights)});
   };
   for (auto& star : ruledStars(stars)) {
@@ -211,8 +210,7 @@ std::vector<StarMoves> interiorMoves(const IrregularStars& stars) {
   parallelFor<std::size_t>(
       ruled.size(),
       [&](std::size_t k) {
-        claimed[k].atWall = false;
-        if (ruled[k]) claimed[k].moves = claims(stars, *ruled[k]);
+        if (ruled[k]) claimed[k] = claims(stars, *ruled[k]);
       },
       16);
   return claimed;

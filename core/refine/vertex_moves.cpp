@@ -17,32 +17,36 @@ constexpr int kOverlapping = 3;
 /// Stars are left out in so many rounds, each of which may part others.
 constexpr int kRounds = 8;
 
-/// Puts rows in order and adds what one coarse edge has in a row, by size: sums then depend on
-/// nothing but what is added.
-void merge(std::vector<VertexMove>* moves) {
-  const auto row = [](const VertexMove& m) { return std::pair(m.fineVertex, m.coarseEdge); };
-  const auto signless = [](const VertexMove& m) { return std::abs(m.weight); };
-  std::sort(moves->begin(), moves->end(), [&](const VertexMove& a, const VertexMove& b) {
-    return std::tuple(row(a), signless(a), a.weight) < std::tuple(row(b), signless(b), b.weight);
-  });
-  std::size_t kept = 0;
-  for (const VertexMove& move : *moves) {
-    if (kept > 0 && row((*moves)[kept - 1]) == row(move)) {
-      (*moves)[kept - 1].weight += move.weight;
-    } else {
-      (*moves)[kept++] = move;
+/// A child of a star, by number.
+struct Claim {
+  Index child;
+  std::uint32_t star, number;
+  bool operator<(const Claim& other) const {
+    return std::tie(child, star, number) < std::tie(other.child, other.star, other.number);
+  }
+};
+
+/// The children of all stars, ascending.
+std::vector<Claim> claimsOf(const std::vector<StarMoves>& stars) {
+  std::vector<Claim> claims;
+  for (std::size_t s = 0; s < stars.size(); ++s) {
+    for (std::size_t k = 0; k < stars[s].children.size(); ++k) {
+      claims.push_back(
+          {stars[s].children[k], static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(k)});
     }
   }
-  moves->resize(kept);
+  std::sort(claims.begin(), claims.end());
+  return claims;
 }
 
-/// Calls `visit(child)` for the children that a star moves.
+/// Calls `visit(first, last, share)` for the claims on each child; each counts with that share.
 template <typename Visit>
-void visitChildren(const StarMoves& star, const Visit& visit) {
-  Index last = kNone;
-  for (const VertexMove& move : star.moves) {
-    if (move.fineVertex != last) visit(move.fineVertex);
-    last = move.fineVertex;
+void visitChildren(const std::vector<Claim>& claims, const std::vector<StarMoves>& stars,
+                   const Visit& visit) {
+  for (std::size_t first = 0, last; first < claims.size(); first = last) {
+    for (last = first; last < claims.size() && claims[last].child == claims[first].child;) ++last;
+    const bool mean = stars[claims[first].star].atWall;
+    visit(first, last, mean ? 1.0 / static_cast<double>(last - first) : 1.0);
   }
 }
 
@@ -51,48 +55,38 @@ bool spoils(const StarMoves& star, const Complex& fine, const Array<Vec3>& unmov
             const Array<Vec3>& moved) {
   const double least = star.atWall ? kLeastAtWalls : kLeastInside;
   bool result = false;
-  visitChildren(star, [&](Index child) {
+  for (const Index child : star.children) {
     fine.visitVertexStar(child, [&](const CellAtVertex& at) {
       const double sign = fine.cellSigns[at.cell];
       const double without = sign * cellVolume6(fine, unmoved, at.cell);
       const double with = sign * cellVolume6(fine, moved, at.cell);
       if (without <= 0 || with < least * without) result = true;
     });
-  });
+  }
   return result;
 }
 
 }  // namespace
 
 LocalRows moveRows(const std::vector<StarMoves>& stars) {
-  std::vector<Index> atWalls;  // a child once for each star that moves it
-  for (const StarMoves& star : stars) {
-    if (star.atWall) visitChildren(star, [&](Index child) { atWalls.push_back(child); });
-  }
-  std::sort(atWalls.begin(), atWalls.end());
-  std::vector<VertexMove> moves;
-  for (const StarMoves& star : stars) {
-    for (VertexMove move : star.moves) {
-      if (star.atWall) {
-        const auto [first, last] =
-            std::equal_range(atWalls.begin(), atWalls.end(), move.fineVertex);
-        move.weight /= static_cast<double>(last - first);
-      }
-      moves.push_back(move);
-    }
-  }
-  merge(&moves);
+  struct Row {
+    std::size_t first, last;
+    double share;
+  };
+  const std::vector<Claim> claims = claimsOf(stars);
   std::vector<Index> fine;
-  std::vector<std::size_t> begin;
-  for (std::size_t k = 0; k < moves.size(); ++k) {
-    if (!fine.empty() && moves[k].fineVertex == fine.back()) continue;
-    fine.push_back(moves[k].fineVertex);
-    begin.push_back(k);
-  }
-  begin.push_back(moves.size());
-  return LocalRows(fine, [&](Index row, const auto& add) {
-    for (std::size_t k = begin[row]; k < begin[row + 1]; ++k) {
-      add(moves[k].coarseEdge, moves[k].weight);
+  std::vector<Row> rows;
+  visitChildren(claims, stars, [&](std::size_t first, std::size_t last, double share) {
+    fine.push_back(claims[first].child);
+    rows.push_back({first, last, share});
+  });
+  return LocalRows(fine, [&](Index k, const auto& add) {
+    for (std::size_t c = rows[k].first; c < rows[k].last; ++c) {
+      const StarMoves& star = stars[claims[c].star];
+      for (std::size_t t = star.begin[claims[c].number]; t < star.begin[claims[c].number + 1];
+           ++t) {
+        add(star.terms[t].coarseEdge, rows[k].share * star.terms[t].weight);
+      }
     }
   });
 }
@@ -102,13 +96,30 @@ std::vector<StarMoves> soundMoves(const Complex& fine, int level, const Array<Ve
   const Complex& coarse = *fine.coarse;
   const Array<Vec3> unmoved = *after;
   for (int round = 0;; ++round) {
-    const LocalRows rows = moveRows(stars);
-    *after = unmoved;
-    for (const Index v : rows.fine()) {
-      rows.row(v, 1, [&](Index e, double weight) {
-        (*after)[v] -= weight * (before[coarse.edges[e][1]] - before[coarse.edges[e][0]]);
-      });
-    }
+    // Where the stars' children go.
+    std::vector<std::vector<Vec3>> moves(stars.size());
+    parallelFor<std::size_t>(
+        stars.size(),
+        [&](std::size_t s) {
+          const StarMoves& star = stars[s];
+          for (std::size_t k = 0; k < star.children.size(); ++k) {
+            Vec3 move = Vec3::Zero();
+            for (std::size_t t = star.begin[k]; t < star.begin[k + 1]; ++t) {
+              const auto& [a, b] = coarse.edges[star.terms[t].coarseEdge];
+              move -= star.terms[t].weight * (before[b] - before[a]);
+            }
+            moves[s].push_back(move);
+          }
+        },
+        16);
+    const std::vector<Claim> claims = claimsOf(stars);
+    visitChildren(claims, stars, [&](std::size_t first, std::size_t last, double share) {
+      Vec3& position = (*after)[claims[first].child];
+      position = unmoved[claims[first].child];
+      for (std::size_t c = first; c < last; ++c) {
+        position += share * moves[claims[c].star][claims[c].number];
+      }
+    });
     if (round == kRounds) return stars;
     std::vector<std::uint8_t> spoilt(stars.size(), 0);
     parallelFor<std::size_t>(
@@ -118,12 +129,17 @@ std::vector<StarMoves> soundMoves(const Complex& fine, int level, const Array<Ve
           spoilt[k] = spoils(stars[k], fine, unmoved, *after);
         },
         16);
-    std::size_t kept = 0;
+    std::vector<StarMoves> kept;
     for (std::size_t k = 0; k < stars.size(); ++k) {
-      if (!spoilt[k]) std::swap(stars[kept++], stars[k]);
+      if (!spoilt[k]) {
+        kept.push_back(std::move(stars[k]));
+        continue;
+      }
+      for (const Index child : stars[k].children) (*after)[child] = unmoved[child];
     }
-    if (kept == stars.size()) return stars;
-    stars.resize(kept);
+    const bool all = kept.size() == stars.size();
+    stars = std::move(kept);
+    if (all) return stars;
   }
 }
 

@@ -10,19 +10,25 @@
 
 namespace octet {
 
-/// One entry of a sparse matrix H from coarse edges to fine vertices, which the rules for irregular
-/// stars add to D1 L1: a 0-form refines by S0 - H d0 (SCHEME.md section 6b).
-struct VertexMove {
-  Index fineVertex;
-  Index coarseEdge;
-  double weight;  ///< along the edge's stored direction
-};
+/// @file
+/// Entries of a sparse matrix H1 from coarse edges to fine vertices, which the rules for irregular
+/// stars add to D1 L1: a 0-form refines by S0 - H1 d0 (SCHEME.md section 6b).
 
-/// @brief What the rule of one irregular star asks of the children around it. Children that several
-/// stars ask for get the sum inside, and the mean at walls.
+/// @brief What the rule of one irregular star asks of the children around it, as rows of H1.
+/// Children that several stars ask for get the sum inside, and the mean at walls.
 struct StarMoves {
-  bool atWall;
-  std::vector<VertexMove> moves;  ///< those of a child follow each other
+  struct Term {
+    Index coarseEdge;
+    double weight;  ///< along the edge's stored direction
+  };
+  bool atWall = false;
+  std::vector<Index> children;     ///< fine vertices
+  std::vector<std::size_t> begin;  ///< of each child's terms, and their end
+  std::vector<Term> terms;
+
+  /// Appends what moves the child in the place of label `a` by sum_q weights[q] (q - m).
+  template <typename Weights>
+  void add(const StarPaths& paths, int a, const Weights& weights);
 };
 
 /// Makes rows of the moves of stars. They depend on nothing but the moves, whatever their order.
@@ -42,17 +48,24 @@ std::vector<StarMoves> soundMoves(const Complex& fine, int level, const Array<Ve
 /// Weights below this are nothing.
 inline constexpr double kNoMove = 1e-15;
 
-/// Appends what moves the child in the place of label `a` by sum_q weights[q] (q - m).
 template <typename Weights>
-void addMoves(const StarPaths& paths, int a, const Weights& weights,
-              std::vector<VertexMove>* moves) {
+void StarMoves::add(const StarPaths& paths, int a, const Weights& weights) {
+  std::vector<double> sums(paths.edges().size(), 0.0);
+  bool any = false;
   for (Eigen::Index q = 1; q < weights.size(); ++q) {
     const double weight = weights[q];
     if (std::abs(weight) < kNoMove) continue;
-    paths.visit(static_cast<int>(q), [&](EdgeRef e, double share) {
-      moves->push_back({paths.place(a), e.index(), -weight * share * e.sign()});
-    });
+    any = true;
+    paths.visit(static_cast<int>(q),
+                [&](std::size_t edge, double share) { sums[edge] -= weight * share; });
   }
+  if (!any) return;
+  if (begin.empty()) begin.push_back(0);
+  children.push_back(paths.place(a));
+  for (std::size_t e = 0; e < sums.size(); ++e) {
+    if (sums[e] != 0) terms.push_back({paths.edges()[e], sums[e]});
+  }
+  begin.push_back(terms.size());
 }
 
 }  // namespace octet

@@ -100,21 +100,22 @@ class WallRing {
 };
 
 /// What one boundary vertex asks of the children around it; rows may be claimed by others too.
-std::vector<VertexMove> claims(const Complex& coarse, const Boundary& boundary, Index row) {
+StarMoves claims(const Complex& coarse, const Boundary& boundary, Index row) {
   const WallRing ring(coarse, boundary, row);
   if (!ring.closes() || ring.regular()) return {};
   const std::optional<LabelledWallStar> labelled = ring.canonical();
   if (!labelled) return {};
   const WallStar& wall = labelled->wall;
-  const StarPaths paths(coarse, {labelled->vertices, wall.star});
+  const StarPaths paths(coarse, labelled->vertices);
   if (!paths.unique()) return {};
   static SolvedStars<WallStar, Eigen::MatrixXd> solved(wallStarMoves);
   const std::shared_ptr<const Eigen::MatrixXd> moves = solved(wall);
-  std::vector<VertexMove> result;
+  StarMoves result;
+  result.atWall = true;
   for (int a = 0; a < wall.star.vertexCount; ++a) {
     // A child on the way to another part of the wall belongs to both, and stays.
     if (a > wall.valence && coarse.vertexOnBoundary(labelled->vertices[a])) continue;
-    addMoves(paths, a, moves->row(a), &result);
+    result.add(paths, a, moves->row(a));
   }
   return result;
 }
@@ -122,13 +123,13 @@ std::vector<VertexMove> claims(const Complex& coarse, const Boundary& boundary, 
 }  // namespace
 
 void wallMoves(const Complex& coarse, const Boundary& boundary, std::vector<StarMoves>* stars) {
-  std::vector<std::vector<VertexMove>> claimed(static_cast<std::size_t>(boundary.vertexCount()));
+  std::vector<StarMoves> claimed(static_cast<std::size_t>(boundary.vertexCount()));
   parallelFor<std::size_t>(
       claimed.size(),
       [&](std::size_t row) { claimed[row] = claims(coarse, boundary, static_cast<Index>(row)); },
       16);
-  for (std::vector<VertexMove>& moves : claimed) {
-    if (!moves.empty()) stars->push_back({true, std::move(moves)});
+  for (StarMoves& moves : claimed) {
+    if (!moves.children.empty()) stars->push_back(std::move(moves));
   }
 }
 

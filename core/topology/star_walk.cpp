@@ -5,6 +5,8 @@
 #include <array>
 #include <deque>
 
+#include "../base/sort_unique.h"
+
 namespace octet {
 namespace {
 
@@ -136,38 +138,54 @@ std::optional<LabelledStar> walkStar(const Complex& complex, Index centre,
   return Walk(complex, centre).run(first, cells);
 }
 
-StarPaths::StarPaths(const Complex& complex, const LabelledStar& star)
-    : places_(star.vertices.size(), kNone), paths_(star.vertices.size()) {
-  const Index centre = star.vertices[0];
-  places_[0] = centre;
-  complex.visitVertexStar(centre, [&](const CellAtVertex& at) {
+StarPaths::StarPaths(const Complex& complex, const std::vector<Index>& vertices)
+    : places_(vertices.size(), kNone), begin_(vertices.size() + 1, 0) {
+  struct Found {
+    std::size_t label;
+    EdgeRef edge;
+    double share;
+  };
+  std::vector<Found> found;
+  std::vector<char> listed(vertices.size(), 0);
+  const auto labelOf = [&](Index v) {
+    return static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) -
+                                    vertices.begin());
+  };
+  places_[0] = vertices[0];
+  complex.visitVertexStar(vertices[0], [&](const CellAtVertex& at) {
     for (int k = 0; k < complex.cellVertexCount(at.cell); ++k) {
-      if (k != at.place) addVertex(complex, at, k, star);
+      if (k == at.place) continue;
+      const std::size_t label = labelOf(complex.cellVertex(at.cell, k));
+      const bool across = !complex.isTet(at.cell) && Octahedron::opposite[at.place] == k;
+      const Index place =
+          across ? complex.children().centre(at.cell - complex.tetCount())
+                 : complex.children().midpoint(complex.cellEdge(at.cell, at.place, k).index());
+      if (places_[label] != kNone && places_[label] != place) unique_ = false;
+      places_[label] = place;
+      if (listed[label]) continue;
+      listed[label] = 1;
+      if (!across) {
+        found.push_back({label, complex.cellEdge(at.cell, at.place, k), 1});
+        continue;
+      }
+      for (int p = 0; p < 6; ++p) {
+        if (p == k || p == at.place) continue;
+        found.push_back({label, complex.cellEdge(at.cell, at.place, p), 1.0 / 4});
+        found.push_back({label, complex.cellEdge(at.cell, p, k), 1.0 / 4});
+      }
     }
   });
-}
-
-void StarPaths::addVertex(const Complex& complex, const CellAtVertex& at, int k,
-                          const LabelledStar& star) {
-  const auto label = static_cast<std::size_t>(
-      std::find(star.vertices.begin(), star.vertices.end(), complex.cellVertex(at.cell, k)) -
-      star.vertices.begin());
-  std::vector<EdgeRef> path;
-  Index place;
-  if (!complex.isTet(at.cell) && Octahedron::opposite[at.place] == k) {
-    place = complex.children().centre(at.cell - complex.tetCount());
-    for (int p = 0; p < 6; ++p) {
-      if (p == k || p == at.place) continue;
-      path.push_back(complex.cellEdge(at.cell, at.place, p));
-      path.push_back(complex.cellEdge(at.cell, p, k));
-    }
-  } else {
-    path.push_back(complex.cellEdge(at.cell, at.place, k));
-    place = complex.children().midpoint(path[0].index());
+  for (const Found& step : found) edges_.push_back(step.edge.index());
+  sortUnique(&edges_);
+  for (const Found& step : found) ++begin_[step.label + 1];
+  for (std::size_t k = 1; k < begin_.size(); ++k) begin_[k] += begin_[k - 1];
+  steps_.resize(found.size());
+  std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+  for (const Found& step : found) {
+    const auto edge = std::lower_bound(edges_.begin(), edges_.end(), step.edge.index());
+    steps_[next[step.label]++] = {static_cast<std::size_t>(edge - edges_.begin()),
+                                  step.edge.sign() * step.share};
   }
-  if (places_[label] != kNone && places_[label] != place) unique_ = false;
-  places_[label] = place;
-  paths_[label] = std::move(path);
 }
 
 }  // namespace octet

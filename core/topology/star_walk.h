@@ -32,26 +32,33 @@ std::optional<LabelledStar> walkStar(const Complex& complex, Index centre,
 /// fine vertex in its place, and the coarse edges that lead to it.
 class StarPaths {
  public:
-  StarPaths(const Complex& complex, const LabelledStar& star);
+  /// @param vertices  by label, the centre first
+  StarPaths(const Complex& complex, const std::vector<Index>& vertices);
 
   /// Has every vertex of the star one place only, and one way to it?
   bool unique() const { return unique_; }
   /// The fine vertex in the place of a label.
   Index place(int label) const { return places_[static_cast<std::size_t>(label)]; }
-  /// Calls `add(EdgeRef, share)` for a chain of edges from the centre to a label: the edge, or the
-  /// mean of the four paths across an octahedron.
+  /// The coarse edges that lead to the star's vertices, ascending.
+  const std::vector<Index>& edges() const { return edges_; }
+  /// Calls `add(number in edges(), share)` for a chain of edges from the centre to a label: the
+  /// edge, or the mean of the four paths across an octahedron. Shares are along stored directions.
   template <typename Add>
   void visit(int label, const Add& add) const {
-    const auto& path = paths_[static_cast<std::size_t>(label)];
-    for (const EdgeRef& e : path) add(e, path.size() == 1 ? 1.0 : 1.0 / 4);
+    for (std::size_t k = begin_[label]; k < begin_[label + 1]; ++k) {
+      add(steps_[k].edge, steps_[k].share);
+    }
   }
 
  private:
-  void addVertex(const Complex& complex, const CellAtVertex& at, int k, const LabelledStar& star);
-
+  struct Step {
+    std::size_t edge;
+    double share;
+  };
   bool unique_ = true;
-  std::vector<Index> places_;
-  std::vector<std::vector<EdgeRef>> paths_;
+  std::vector<Index> places_, edges_;
+  std::vector<std::size_t> begin_;  // per label: in steps_
+  std::vector<Step> steps_;
 };
 
 }  // namespace octet

@@ -22,6 +22,7 @@ void addBake(CLI::App* program);
 void addFill(CLI::App* program);
 void addFit(CLI::App* program);
 void addInfo(CLI::App* program);
+void addMerge(CLI::App* program);
 #ifdef OCTETVDB_WITH_PICTURES
 void addPreview(CLI::App* program);
 #endif

@@ -48,11 +48,11 @@ ControlAsset readAsset(const std::string& path) {
   return readGmshMesh(path);
 }
 
-void checkOutput(const std::string& control, const std::string& output) {
+void checkOutput(const std::string& input, const std::string& output) {
   if (output.empty()) throw InputError("--output", "is empty");
   std::error_code absent;
-  if (std::filesystem::equivalent(control, output, absent)) {
-    throw InputError("--output", "is the control asset itself");
+  if (std::filesystem::equivalent(input, output, absent)) {
+    throw InputError("--output", "is the input itself");
   }
   const AtomicFile trial(output);
 }

@@ -25,7 +25,7 @@ int interruptSignal();
 ControlAsset readAsset(const std::string& path);
 
 /// Refuses, before work is put into it, an output that cannot be written.
-void checkOutput(const std::string& control, const std::string& output);
+void checkOutput(const std::string& input, const std::string& output);
 
 /// The same for a file that holds all frames, or none: its name has no place for one.
 void checkSingleOutput(const std::string& control, const std::string& output);

@@ -33,8 +33,8 @@ Failure failureOf(const std::exception& e);
 
 nlohmann::ordered_json toJson(const Failure& failure);
 
-/// Tells of a failure: one line on stderr; with --json a document {"error": ...} on stdout, too, for
-/// whoever reads that.
+/// Tells of a failure: one line on stderr; with --json a document {"error": ...} on stdout, too,
+/// for whoever reads that.
 /// @return its exit code
 int tell(const Failure& failure, bool json);
 

@@ -51,6 +51,7 @@ void addCommands(CLI::App* program) {
   addFill(program);
   addFit(program);
   addInfo(program);
+  addMerge(program);
 #ifdef OCTETVDB_WITH_PICTURES
   addPreview(program);
 #endif
@@ -169,8 +170,7 @@ int main(int argc, char** argv) {
       "Smooth, exactly incompressible or curl-free velocity fields, from a coarse cage to OpenVDB.",
       "octetvdb"};
   program.set_version_flag("--version", octet::kVersion,
-                           "Print the version; with --json also "
-                           "those of the libraries");
+                           "Print the version; with --json libraries, threads and memory, too");
   program.require_subcommand(1);
   Threads threads;
   threads.limitByFarm();

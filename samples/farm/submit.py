@@ -3,7 +3,7 @@
 """Bakes a sequence on Slurm: an array of tasks, one a frame, or one a shard of a frame, and then a job
 that merges the shards.
 
-    submit.py [--frames LIST] [--shards N] [--octetvdb COMMAND] [--sbatch "OPTIONS"]
+    submit.py [--frames LIST] [--shards N] [--octetvdb COMMAND] [--sbatch="OPTIONS"]
               ASSET -o OUTPUT [other options of bake]
 
 What there is to bake, and the memory that it takes, a dry run says. Run it again when tasks are lost:
@@ -61,6 +61,7 @@ def main():
         print(f"{there} frames are there")
     if not files:
         return
+    os.makedirs(os.path.dirname(os.path.abspath(ours.output)), exist_ok=True)
     environment = {"OCTETVDB": ours.octetvdb, "OCTETVDB_SHARDS": str(ours.shards),
                    "OCTETVDB_OUTPUT": ours.output,
                    "OCTETVDB_FRAMES": " ".join(str(file["frame"]) for file in files)}

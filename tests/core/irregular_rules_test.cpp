@@ -274,7 +274,7 @@ TEST(InteriorMoves, LeaveConstantsAlone) {
     const Cochain<0> fine = refiner.refine(one, BoundaryMode::Open);
     for (Index v = 0; v < fine.size(); ++v) ASSERT_NEAR(fine[v], 1, 1e-13);
     for (const StarMoves& star : interiorMoves(IrregularStars(refiner.complex(1)))) {
-      rows += star.moves.size();
+      rows += star.terms.size();
     }
   }
   EXPECT_GT(rows, 1000u);
@@ -360,7 +360,7 @@ TEST(IrregularStars, SolveEqualStarsAlike) {
     const Refiner refiner = refined(mesh, 1);
     std::vector<double> list;
     for (const StarMoves& star : interiorMoves(IrregularStars(refiner.complex(1)))) {
-      for (const VertexMove& move : star.moves) list.push_back(std::abs(move.weight));
+      for (const auto& term : star.terms) list.push_back(std::abs(term.weight));
     }
     std::sort(list.begin(), list.end());
     return list;

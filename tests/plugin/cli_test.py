@@ -94,7 +94,19 @@ class BadUsage(Case):
                 ("not a positive number", *bake, "--voxel-size", "nan"),
                 ("not a positive number", *bake, "--voxel-size", "inf"),
                 ("not a positive number", *bake, "--voxel-size", ""),
-                ("2^30 voxels", *bake, "--voxel-size", "1e-12", "--levels", "0"),
+                ("not I/N", *small, "--shard", "2"),
+                ("not I/N", *small, "--shard", "1/2/3"),
+                ("the first of N is 1/N", *small, "--shard", "0/3"),
+                ("the first of N is 1/N", *small, "--shard", "4/3"),
+                ("excludes", *small, "--shard", "1/3", "--region", "0", "0", "0", "1", "1", "1"),
+                ("6 required", *small, "--region", "0", "0", "0", "1", "1"),
+                ("region: is empty", *small, "--region", "0", "0", "0", "1", "1", "-1"),
+                ("outside the domain", *small, "--region", "90", "90", "90", "91", "91", "91"),
+                ("name it out.vdb", "bake", BOX, "-o", self.path("out.abc"), "--resolution", "8"),
+                ("name it out.vdb", "bake", BOX, "-o", self.path("out.nvdb"), "--resolution", "8"),
+                ("does not end in .vdb", "bake", BOX, "-o", self.path("out"), "--resolution", "8"),
+                ("name it out.vdb", "merge", out, "-o", self.path("out.vdbx")),
+                ("PART is required", "merge", "-o", out),
                 ("neither auto nor a number", *small, "--levels", "many"),
                 ("neither auto nor a number", *small, "--levels", "-1"),
                 ("neither auto nor a number", *small, "--levels", "13"),
@@ -116,7 +128,7 @@ class BadUsage(Case):
                 ("--threads", *small, "--threads", "0"),
                 ("--threads", "--threads", "two", *small),
                 ("is empty", "bake", BOX, "-o", "", "--resolution", "8"),
-                ("is the control asset itself", "bake", BOX, "-o", BOX, "--resolution", "8"),
+                ("is the input itself", "bake", BOX, "-o", BOX, "--resolution", "8"),
                 ("levels", "refine", BOX, "-o", out),
                 ("levels", "refine", BOX, "-o", out, "--levels", "13"),
                 ("more than 100,000,000", "refine", BOX, "-o", out, "--levels", "12"),
@@ -128,8 +140,13 @@ class BadUsage(Case):
                 self.fail_with(2, reason, *arguments)
 
     def test_more_memory_than_there_is_has_a_code_of_its_own(self):
-        self.fail_with(33, "million cells", "bake", BOX, "-o", self.path("out.vdb"), "--voxel-size",
-                       "1e-9")
+        bake = ("bake", BOX, "-o", self.path("out.vdb"))
+        for reason, *options in (
+                ("million cells", "--voxel-size", "1e-9"),
+                ("voxel size: about ", "--voxel-size", "1e-12", "--levels", "0"),
+                ("largest resolution that fits is ", "--resolution", "20000", "--levels", "0")):
+            with self.subTest(options=options):
+                self.fail_with(33, reason, *bake, *options)
 
     def test_frames_of_an_animated_asset(self):
         bake = ("bake", GOOD, "-o", self.path("out.vdb"), "--resolution", "6", "--frames")

@@ -138,6 +138,34 @@ class SkipExisting(Case):
             json.dump(asset, file)
         self.assertEqual(self.bake(asset=changed), [2])
 
+    def test_parts_are_told_from_wholes(self):
+        whole, part = self.path("w.vdb"), self.path("p.vdb")
+        def bake(out, *options):
+            report = json.loads(self.succeed("bake", BOX, "--resolution", "16", "--skip-existing", "-o",
+                                             out, "--json", *options))
+            return not report["files"][0].get("skipped")
+        self.assertTrue(bake(whole))
+        self.assertTrue(bake(part, "--shard", "1/2"))
+        self.assertFalse(bake(part, "--shard", "1/2"))
+        self.assertTrue(bake(part, "--shard", "2/2"))
+        self.assertTrue(bake(part, "--region", 0, 0, 0, 1, 1, 1))
+        self.assertFalse(bake(part, "--region", 0, 0, 0, 1, 1, 1))
+        self.assertTrue(bake(part, "--region", 0, 0, 0, 1, 1, 0.5))
+        self.assertTrue(bake(part))
+        self.assertFalse(bake(whole))
+
+    def test_merged_shards_are_there(self):
+        whole = self.path("w.vdb")
+        for shard in (1, 2):
+            self.succeed("bake", BOX, "--resolution", "16", "-o", self.path(f"p{shard}.vdb"), "--shard",
+                         f"{shard}/2")
+        self.succeed("merge", self.path("p1.vdb"), self.path("p2.vdb"), "-o", whole)
+        merged = digest(whole)
+        said = self.succeed("bake", BOX, "--resolution", "16", "--skip-existing", "-o", whole)
+        self.assertIn("is there", said)
+        self.succeed("bake", BOX, "--resolution", "16", "-o", whole)
+        self.assertEqual(digest(whole), merged)
+
     def test_it_says_so(self):
         self.bake()
         said = self.succeed(*SMALL, "--frames", "1-3", "-o", self.path("a.#.vdb"), "--skip-existing")

@@ -60,8 +60,8 @@ class Farm(unittest.TestCase):
     def submit(self, name, *options):
         os.makedirs(os.path.join(self.work, name), exist_ok=True)
         said = self.slurm.run(
-            sys.executable, os.path.join(FARM, "submit.py"), "--octetvdb", OCTETVDB.path, "--sbatch",
-            f"--output={self.work}/%A_%a.log --cpus-per-task=1 --mem=500M", ASSET, "-o",
+            sys.executable, os.path.join(FARM, "submit.py"), "--octetvdb", OCTETVDB.path,
+            f"--sbatch=--output={self.work}/%A_%a.log --cpus-per-task=1 --mem=500M", ASSET, "-o",
             os.path.join(self.work, name, "tank.####.vdb"), *options, cwd=self.work)
         self.say(said.strip())
         return said
@@ -143,6 +143,17 @@ class Farm(unittest.TestCase):
         self.keep_log()
         self.assertGreaterEqual(hit, min(3, KILLS), self.logs())
         self.assertGreater(again, 0, self.logs())
+        self.assertEqual(digests(os.path.join(self.work, "farm")), self.local(*options), self.logs())
+
+    def test_shards_that_are_shot_at_merge_to_the_same_bytes(self):
+        options = ("--resolution", "48", "--levels", "2", "--frames", "1-4")
+        said = self.submit("farm", *options, "--shards", "3")
+        self.assertIn("4 frames, 3 tasks each", said)
+        self.assertIn("merges them", said)
+        hit = self.kill_some(random.Random(11), KILLS)
+        self.wait()
+        self.say(f"{hit} killed")
+        self.keep_log()
         self.assertEqual(digests(os.path.join(self.work, "farm")), self.local(*options), self.logs())
 
     def check_simulation(self, took):

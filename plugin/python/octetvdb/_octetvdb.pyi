@@ -258,6 +258,8 @@ class Certificate:
     def throughflow(self) -> float: ...
     @property
     def half(self) -> bool: ...
+    @property
+    def partial(self) -> bool: ...
 
 class VerifiedGrid:
     @property
@@ -295,6 +297,8 @@ class BakeReport:
     @property
     def note(self) -> str: ...
     @property
+    def part(self) -> str: ...
+    @property
     def files(self) -> list[BakedFile]: ...
 
 def bake(
@@ -316,9 +320,12 @@ def bake(
     method: str = ...,
     frames: str | Sequence[int] | None = ...,
     skip_existing: bool = ...,
+    region: Sequence[float] | None = ...,
+    shard: tuple[int, int] | None = ...,
     zeta: float = ...,
     progress: _Progress = ...,
 ) -> BakeReport: ...
+def merge(parts: Sequence[str], path: str, *, progress: _Progress = ...) -> BakedFile: ...
 def read_grid_info(path: str) -> list[GridInfo]: ...
 
 class CageQuality:

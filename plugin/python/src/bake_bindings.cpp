@@ -4,7 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <octet/converters/io/frames.h>
-#include <octet/converters/vdb/bake.h>
+#include <octet/converters/vdb/merge_vdb.h>
 #include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
@@ -30,7 +30,9 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                      const std::string& wallSurface, const std::string& grid,
                      const std::string& reconstruction, const std::string& target, bool half,
                      bool project, const std::string& method, const Frames& frames,
-                     bool skipExisting, double zeta, const py::object& progress) {
+                     bool skipExisting, const std::optional<std::array<double, 6>>& region,
+                     std::optional<std::pair<int, int>> shard, double zeta,
+                     const py::object& progress) {
   BakeOptions options;
   options.forms = std::move(forms);
   options.derivative = derivative;
@@ -47,6 +49,14 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
   options.method = choose("method", method, methodChoices());
   options.frames = framesOf(frames);
   options.skipExisting = skipExisting;
+  if (region) {
+    options.region.emplace();
+    for (int k = 0; k < 3; ++k) {
+      options.region->min[k] = (*region)[static_cast<std::size_t>(k)];
+      options.region->max[k] = (*region)[static_cast<std::size_t>(k) + 3];
+    }
+  }
+  if (shard) options.shard = Shard{shard->first, shard->second};
   options.zeta = zeta;
   const Context context = contextOf(progress);
   return withoutGil([&] { return bake(asset, options, path, context); });
@@ -109,6 +119,7 @@ void bindReport(py::module_& module) {
       .def_readonly("voxel_size", &BakeReport::voxelSize, "Voxel size, world units.")
       .def_readonly("mean_edge", &BakeReport::meanEdge, "Mean fine edge, world units.")
       .def_readonly("note", &BakeReport::note, "What the target's importer has to do.")
+      .def_readonly("part", &BakeReport::part, "\"shard 2 of 7\" or \"region\"; empty: the whole.")
       .def_readonly("files", &BakeReport::files, "A BakedFile for each file.");
 }
 
@@ -125,7 +136,8 @@ void bindBake(py::module_& module) {
              py::arg("grid") = "collocated", py::arg("reconstruction") = "limit",
              py::arg("target") = "openvdb", py::arg("half") = false, py::arg("project") = false,
              py::arg("method") = "auto", py::arg("frames") = py::none(),
-             py::arg("skip_existing") = false, py::arg("zeta") = kDefaultZeta,
+             py::arg("skip_existing") = false, py::arg("region") = py::none(),
+             py::arg("shard") = py::none(), py::arg("zeta") = kDefaultZeta,
              py::arg("progress") = py::none(),
              R"(Bakes an asset's forms into OpenVDB grids, one per form.
 
@@ -149,10 +161,26 @@ method:         "auto", "conservative" (vectors without discrete divergence or c
 frames:         of an animated asset: a list such as "1-10x2" or "1,3,7-9", or numbers; all by
                 default
 skip_existing:  leave files that are complete and from the same asset and options
+region:         bake only the leaves that this box meets, world units of the asset: (x0, y0, z0,
+                x1, y1, z1)
+shard:          (i, n): bake only part i of n, of about equal work, from 1 to n; merge() joins them
 zeta:           free weight of the octahedron's linear rule
 progress:       called as progress(stage, done, total, unit); returning False raises Cancelled
 
-Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, Cancelled.)");
+Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, MemoryError,
+Cancelled.)");
+  module.def(
+      "merge",
+      [](const std::vector<std::string>& parts, const std::string& path,
+         const py::object& progress) {
+        const Context context = contextOf(progress);
+        return withoutGil([&] { return mergeVdb(parts, path, context); });
+      },
+      py::arg("parts"), py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+      R"(Joins the shards of a bake to the .vdb that it would have been without them; a BakedFile.
+
+parts: the .vdb of each shard, in any order; of an animation, those of one frame
+Releases the GIL. Raises InputError, IoError, MemoryError, Cancelled.)");
   module.def(
       "read_grid_info",
       [](const std::string& path) {
