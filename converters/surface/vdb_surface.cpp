@@ -11,6 +11,7 @@
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
 
 namespace octet {
 namespace {
@@ -106,17 +107,18 @@ TriangleSurface readVdbSurface(const std::string& path, const SurfaceReadOptions
   try {
     openvdb::io::File file(path);
     file.open();
-    std::string names;
+    std::vector<std::string> names;
     const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
     for (const auto& grid : *grids) {
-      names += (names.empty() ? "" : ", ") + grid->getName();
+      names.push_back(grid->getName());
       const bool wanted = options.grid.empty() ? isScalar(*grid) : grid->getName() == options.grid;
       if (!found && wanted) found = grid;
     }
     if (!found) {
       throw InputError(options.grid.empty() ? "" : "grid \"" + options.grid + "\"",
                        "there is none" + std::string(options.grid.empty() ? " of float" : "") +
-                           "; the file has " + (names.empty() ? "no grid" : names));
+                           "; the file has " + (names.empty() ? "no grid" : listOf(names)) +
+                           didYouMean(options.grid, names));
     }
     if (!isScalar(*found)) {
       throw InputError("grid \"" + found->getName() + "\"", "is no float or double grid");

@@ -11,7 +11,8 @@ namespace octet {
 struct BakedFile {
   std::string path;
   std::optional<int> frame;
-  std::vector<VdbGridInfo> grids;
+  std::vector<VdbGridInfo> grids;  ///< none of a file that was there already
+  bool skipped = false;            ///< it was, and is what would have been baked
 };
 
 /// What a bake did.
@@ -25,8 +26,8 @@ struct BakeReport {
 };
 
 /// @brief The main job: control asset to OpenVDB. One grid per form (converters/README.md,
-/// "Grids"); an animated asset becomes a numbered sequence `name.0001.vdb`, for which topology is
-/// refined once.
+/// "Grids"); an animated asset becomes a numbered sequence, for which topology is refined once. The
+/// frame's place in the files' names is as FrameName says (frames.h), before the ending by default.
 /// @throws InputError, IoError, MemoryError, Cancelled; files finished before stay, the one in work
 /// does not.
 BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path,
@@ -37,6 +38,7 @@ struct PlannedFile {
   std::string path;
   std::optional<int> frame;
   std::vector<BakePlan> grids;
+  bool skipped = false;  ///< it is there, and a bake would leave it
 };
 
 /// What a bake would do.

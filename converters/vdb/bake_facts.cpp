@@ -50,18 +50,17 @@ ControlForm ControlForms::find(const Form& form, const std::string& grid, std::o
   result.facts.name = form.name;
   result.facts.unit = form.unit;
   result.facts.grid = grid;
+  result.facts.mode = mode(form);
   withDegree(form.degree, [&](auto degree) {
     constexpr int K = decltype(degree)::value;
     const int number = frame.value_or(0);
     if constexpr (K < 3) {
       if (options_.derivative) {
-        result.facts.mode = derivativeMode<K>(form);
         const auto given = coefficients<K>(asset_, form, number);
         take<K + 1>(derivative<K>(form, number), &given, facts, &result, context);
         return;
       }
     }
-    result.facts.mode = boundaryMode(asset_, form, options_.boundary);
     auto control = coefficients<K>(asset_, form, number);
     if constexpr (K == 1 || K == 2) {
       if (options_.project) {
@@ -73,6 +72,18 @@ ControlForm ControlForms::find(const Form& form, const std::string& grid, std::o
     take<K>(std::move(control), nullptr, facts, &result, context);
   });
   return result;
+}
+
+BoundaryMode ControlForms::mode(const Form& form) const {
+  if (!options_.derivative) return boundaryMode(asset_, form, options_.boundary);
+  return withDegree(form.degree, [&](auto degree) {
+    constexpr int K = decltype(degree)::value;
+    if constexpr (K < 3) {
+      return derivativeMode<K>(form);
+    } else {
+      return BoundaryMode::Walls;
+    }
+  });
 }
 
 /// Puts coefficients and what there is to know of them into the result.

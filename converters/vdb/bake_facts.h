@@ -36,6 +36,9 @@ class ControlForms {
   ControlForm find(const Form& form, const std::string& grid, std::optional<int> frame,
                    const BakeFacts& facts, const Context& context = {}) const;
 
+  /// How what is baked of a form meets the boundary, in all frames alike.
+  BoundaryMode mode(const Form& form) const;
+
  private:
   template <int K>
   Cochain<K + 1> derivative(const Form& form, int frame) const;

@@ -4,9 +4,6 @@
 #include <cmath>
 
 #include <octet/core/raster/block_bins.h>
-#include <octet/version.h>
-
-#include "wording.h"
 
 namespace octet {
 namespace {
@@ -93,67 +90,6 @@ IndexBox shardWindow(const Shard& shard, const DomainShape& domain, double voxel
   return window;
 }
 
-// ---- the tag ------------------------------------------------------------------------------------
-
-template <typename Rows>
-void addRows(const Rows& rows, ContentHash* hash) {
-  hash->add(rows.size());
-  for (const auto& row : rows) {
-    for (const auto x : row) hash->add(x);
-  }
-}
-
-template <typename List>
-void addList(const List& list, ContentHash* hash) {
-  hash->add(list.size());
-  for (const auto x : list) hash->add(x);
-}
-
-void addAsset(const ControlAsset& asset, ContentHash* hash) {
-  const Complex& c = *asset.mesh.complex();
-  hash->add(asset.name);
-  hash->add(asset.units.upAxis);
-  hash->add(asset.units.metersPerUnit);
-  hash->add(asset.units.framesPerSecond);
-  addRows(asset.mesh.positions(), hash);
-  addRows(c.tets, hash);
-  addRows(c.octs, hash);
-  addList(c.edgeFlags, hash);  // creases
-  addList(asset.mesh.corners(), hash);
-  hash->add(asset.forms.size());
-  for (const Form& form : asset.forms) {
-    hash->add(form.name);
-    hash->add(form.degree);
-    hash->add(form.unit);
-    addList(form.simplices, hash);
-    addList(form.signs, hash);
-    addList(form.values, hash);
-    hash->add(form.frames.size());
-    for (const auto& [frame, values] : form.frames) {
-      hash->add(frame);
-      addList(values, hash);
-    }
-  }
-}
-
-/// All options but which part and which frames; size and levels as they were resolved.
-void addOptions(const BakeOptions& options, const ResolutionPlan& resolution, ContentHash* hash) {
-  hash->add(options.forms.size());
-  for (const std::string& form : options.forms) hash->add(form);
-  hash->add(options.derivative);
-  hash->add(resolution.voxelSize);
-  hash->add(resolution.levels);
-  hash->add(options.boundary.name);
-  hash->add(std::string_view(wallSurfaceWord(options.wallSurface)));
-  hash->add(static_cast<int>(options.sampling));
-  hash->add(static_cast<int>(options.reconstruction));
-  hash->add(options.target);
-  hash->add(static_cast<int>(options.method));
-  hash->add(options.half);
-  hash->add(options.project);
-  hash->add(options.zeta);
-}
-
 }  // namespace
 
 IndexBox bakeWindow(const BakeOptions& options, const MeshFacts& facts, double voxelSize) {
@@ -171,23 +107,15 @@ IndexBox bakeWindow(const BakeOptions& options, const MeshFacts& facts, double v
   return shardWindow(*options.shard, facts.domain, voxelSize);
 }
 
-BakePart::BakePart(const ControlAsset& asset, const BakeOptions& options, const MeshFacts& facts,
+BakePart::BakePart(const BakeOptions& options, const MeshFacts& facts,
                    const ResolutionPlan& resolution) {
   const IndexBox window = bakeWindow(options, facts, resolution.voxelSize);
-  if (!options.region && !options.shard) return;
-  part_ = GridPart{options.shard, "", window};
-  hash_.add(std::string_view(kVersion));
-  addAsset(asset, &hash_);
-  addOptions(options, resolution, &hash_);
+  if (options.region || options.shard) part_ = GridPart{options.shard, "", window};
 }
 
-std::optional<GridPart> BakePart::at(std::optional<int> frame) const {
-  if (!part_) return std::nullopt;
-  ContentHash hash = hash_;
-  hash.add(frame.has_value());
-  hash.add(frame.value_or(0));
-  GridPart part = *part_;
-  part.bake = hash.digits();
+std::optional<GridPart> BakePart::at(const std::string& tag) const {
+  std::optional<GridPart> part = part_;
+  if (part) part->bake = tag;
   return part;
 }
 

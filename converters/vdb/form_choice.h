@@ -21,9 +21,9 @@ class FormChoice {
   /// The form's own name, or what the target looks for when it is the velocity.
   std::string gridName(const Form& form) const;
 
-  /// First and last frame to bake; none when no form is animated.
+  /// Frames to bake; none when no form is animated.
   /// @throws InputError when frames are asked for that there are none of
-  std::optional<std::pair<int, int>> frames() const;
+  std::optional<std::vector<int>> frames() const;
 
  private:
   void takeAll();

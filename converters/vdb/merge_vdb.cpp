@@ -212,7 +212,10 @@ BakedFile mergeVdb(const std::vector<std::string>& parts, const std::string& pat
     double bytes = 0;
     for (const auto& grid : *contents.grids) bytes += static_cast<double>(grid->memUsage());
     memory.push_back(context.reserve(bytes, "the grids of " + files[k].path));
-    if (k == 0) metadata = contents.metadata;
+    if (k == 0) {
+      metadata = contents.metadata;
+      metadata->removeMeta(kPartMetadata);  // a whole has none
+    }
     for (std::size_t n = 0; n < contents.grids->size(); ++n) {
       const openvdb::GridBase::Ptr& grid = (*contents.grids)[n];
       if (k == 0) {

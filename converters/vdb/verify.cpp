@@ -4,6 +4,7 @@
 
 #include <octet/core/base/error.h>
 #include <octet/core/base/reported_loop.h>
+#include <octet/core/base/suggestion.h>
 
 #include "block_walk.h"
 #include "certificate.h"
@@ -134,9 +135,10 @@ std::vector<VerifiedGrid> measureAll(const openvdb::GridPtrVec& grids, const std
 std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& name,
                                     const Context& context) {
   const VdbContents contents = readVdb(path, context);
-  std::string names;
+  std::vector<std::string> names, types;
   for (const auto& grid : *contents.grids) {
-    names += (names.empty() ? "" : ", ") + grid->getName() + " (" + grid->valueType() + ")";
+    names.push_back(grid->getName());
+    types.push_back(grid->getName() + " (" + grid->valueType() + ")");
   }
   std::vector<VerifiedGrid> result;
   try {
@@ -147,9 +149,9 @@ std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& 
     throw e.inFile(path);
   }
   if (result.empty()) {
-    throw InputError(
-        path, name,
-        "is no vector grid of this file; it has " + (names.empty() ? "no grids" : names));
+    throw InputError(path, name,
+                     "is no vector grid of this file; it has " +
+                         (types.empty() ? "no grids" : listOf(types)) + didYouMean(name, names));
   }
   return result;
 }

@@ -10,6 +10,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
 
 #include "../vdb/vdb_input.h"
 
@@ -130,7 +131,7 @@ class Reader {
       if (isVector(*grid(name))) vectors.push_back(name);
     }
     if (vectors.size() > 1) {
-      throw InputError(path_, "", "has several vector grids, choose one: " + list(vectors));
+      throw InputError(path_, "", "has several vector grids, choose one: " + listOf(vectors));
     }
     return vectors;
   }
@@ -139,16 +140,11 @@ class Reader {
     throw InputError(path_, "",
                      (name.empty() ? std::string("has no velocity")
                                    : "has no vector grid or float triple \"" + name + "\"") +
-                         "; its grids are " + (names_.empty() ? "none" : list(names_)));
+                         "; its grids are " + (names_.empty() ? "none" : listOf(names_)) +
+                         didYouMean(name, names_));
   }
 
  private:
-  static std::string list(const std::vector<std::string>& names) {
-    std::string result;
-    for (const std::string& name : names) result += (result.empty() ? "" : ", ") + name;
-    return result;
-  }
-
   std::string path_;
   std::vector<std::string> names_;
   std::map<std::string, openvdb::GridBase::Ptr> grids_;

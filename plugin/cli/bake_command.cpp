@@ -10,7 +10,6 @@
 #include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
-#include "../boundary_choices.h"
 #include "commands.h"
 #include "console.h"
 #include "file_text.h"
@@ -42,18 +41,6 @@ std::optional<int> parseLevels(const std::string& text) {
     throw InputError("--levels", "\"" + text + "\" is neither auto nor a number from 0 to 12");
   }
   return levels;
-}
-
-/// "A-B" or "A".
-std::pair<int, int> parseFrames(const std::string& text) {
-  const std::string_view view = text;
-  const std::size_t dash = view.find('-');
-  const auto first = parseNumber(view.substr(0, dash));
-  const auto last = dash == view.npos ? first : parseNumber(view.substr(dash + 1));
-  if (!first || !last) {
-    throw InputError("--frames", "\"" + text + "\" is neither a frame nor a range A-B");
-  }
-  return std::pair{*first, *last};
 }
 
 /// "I/N".
@@ -142,6 +129,7 @@ void printJson(const BakeForecast& forecast) {
   for (const PlannedFile& file : forecast.files) {
     nlohmann::ordered_json entry = {{"path", file.path}};
     if (file.frame) entry["frame"] = *file.frame;
+    if (file.skipped) entry["skipped"] = true;
     entry["grids"] = nlohmann::ordered_json::array();
     for (const BakePlan& plan : file.grids) entry["grids"].push_back(toJson(plan));
     files.push_back(std::move(entry));
@@ -166,7 +154,7 @@ void print(const BakeForecast& forecast) {
               grouped(std::llround(r.voxels)).c_str());
   std::printf("needs up to %.2g of %.2g GB of memory\n", r.bytes() / 1e9, forecast.memory / 1e9);
   for (const PlannedFile& file : forecast.files) {
-    std::printf("%s\n", file.path.c_str());
+    std::printf("%s%s\n", file.path.c_str(), file.skipped ? kSkipped : "");
     for (const BakePlan& plan : file.grids) {
       std::printf("  %s  from form %s, %s, %s boundary\n", plan.grid.c_str(), plan.form.c_str(),
                   name(plan.reconstruction), boundaryWord(plan.boundaryRule, plan.mode).c_str());
@@ -194,7 +182,7 @@ void run(Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   BakeOptions& options = arguments.options;
   options.levels = parseLevels(arguments.levels);
-  if (arguments.frames) options.frames = parseFrames(*arguments.frames);
+  if (arguments.frames) options.frames = readFrames(*arguments.frames);
   if (arguments.shard) options.shard = parseShard(*arguments.shard);
   if (!arguments.region.empty()) options.region = parseRegion(arguments.region);
   if (arguments.dryRun) return foresee(arguments);
@@ -216,13 +204,13 @@ void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods) {
 #ifdef OCTETVDB_WITH_THESIS
   if (methods) help += "; for comparison, the thesis' methods: simple, projection, expansion";
 #endif
-  addChoice<BoundaryChoice>(command, "--boundary", choice, boundaryChoices(methods), help);
+  addChoice(command, "--boundary", choice, boundaryChoices(methods), help);
 }
 
 void addWallSurface(CLI::App* command, BoundaryRows* rows) {
-  addChoice<BoundaryRows>(command, "--wall-surface", rows, wallSurfaceChoices(),
-                          "smooth: fairer, and flows stay bounded beside it; loop: exactly Loop's "
-                          "surface, as other programs subdivide the boundary");
+  addChoice(command, "--wall-surface", rows, wallSurfaceChoices(),
+            "smooth: fairer, and flows stay bounded beside it; loop: exactly Loop's "
+            "surface, as other programs subdivide the boundary");
 }
 
 void addBake(CLI::App* program) {
@@ -234,7 +222,9 @@ void addBake(CLI::App* program) {
       ->add_option("CONTROL", arguments->control, "Control asset (*.octet.json, *.octet) or mesh")
       ->required();
   command
-      ->add_option("-o,--output", arguments->output, "The .vdb to write; name.####.vdb if animated")
+      ->add_option(
+          "-o,--output", arguments->output,
+          "The .vdb to write; name.####.vdb if animated (or name.@@@@.vdb, %04d, $F4, <frame>)")
       ->required();
   command
       ->add_option("--form", options.forms,
@@ -253,26 +243,24 @@ void addBake(CLI::App* program) {
       ->capture_default_str();
   addBoundary(command, &options.boundary, true);
   addWallSurface(command, &options.wallSurface);
-  addChoice<Sampling>(command, "--grid", &options.sampling,
-                      {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}},
-                      "Where a voxel's components are sampled");
-  addChoice<Reconstruction>(
-      command, "--reconstruction", &options.reconstruction,
-      {{"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}},
-      "limit: smooth, second order; whitney: Whitney forms on the finest level");
-  command->add_option("--target", options.target, "Conventions of the program that reads the grids")
-      ->option_text("openvdb|blender|houdini|arnold|renderman");
-  addChoice<BakeMethod>(command, "--method", &options.method,
-                        {{"auto", BakeMethod::Auto},
-                         {"conservative", BakeMethod::Conservative},
-                         {"samples", BakeMethod::Samples}},
-                        "conservative: vectors without discrete divergence (2-forms) or curl "
-                        "(1-forms), or an error; samples: of the field; auto: conservative where "
-                        "the form allows it and it costs no accuracy");
+  addChoice(command, "--grid", &options.sampling, samplingChoices(),
+            "Where a voxel's components are sampled");
+  addChoice(command, "--reconstruction", &options.reconstruction, reconstructionChoices(),
+            "limit: smooth, second order; whitney: Whitney forms on the finest level");
+  addChoice(command, "--target", &options.target, targetChoices(),
+            "Conventions of the program that reads the grids");
+  addChoice(command, "--method", &options.method, methodChoices(),
+            "conservative: vectors without discrete divergence (2-forms) or curl "
+            "(1-forms), or an error; samples: of the field; auto: conservative where "
+            "the form allows it and it costs no accuracy");
   command->add_flag("--half", options.half, "Store 16-bit floats");
   command->add_flag("--project", options.project,
                     "Replace 1- and 2-forms that are not closed by the nearest closed ones");
-  command->add_option("--frames", arguments->frames, "Frames A-B of an animated asset");
+  command->add_option(
+      "--frames", arguments->frames,
+      "Frames of an animated asset, such as 1-10, 1-10x2 or 1,3,7-9; all by default");
+  command->add_flag("--skip-existing", options.skipExisting,
+                    "Leave files that are complete and from the same asset and options");
   auto* region = command
                      ->add_option("--region", arguments->region,
                                   "Bake only the leaves that this box meets, world units of the "

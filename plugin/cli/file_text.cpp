@@ -45,13 +45,14 @@ std::string shareOfSamples(const VdbGridInfo& grid) {
 nlohmann::ordered_json toJson(const BakedFile& file) {
   nlohmann::ordered_json entry = {{"path", file.path}};
   if (file.frame) entry["frame"] = *file.frame;
+  if (file.skipped) entry["skipped"] = true;
   entry["grids"] = nlohmann::ordered_json::array();
   for (const VdbGridInfo& grid : file.grids) entry["grids"].push_back(toJson(grid));
   return entry;
 }
 
 void print(const BakedFile& file) {
-  std::printf("%s\n", file.path.c_str());
+  std::printf("%s%s\n", file.path.c_str(), file.skipped ? kSkipped : "");
   for (const VdbGridInfo& grid : file.grids) {
     std::printf("  %s  %s%s, %s active voxels, %s %.4g to %.4g\n", grid.name.c_str(),
                 grid.type.c_str(), grid.half ? " (half)" : "",

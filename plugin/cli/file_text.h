@@ -7,6 +7,9 @@
 
 namespace octet::cli {
 
+/// Said behind the name of a file that was there already.
+inline constexpr const char* kSkipped = "  is there, from the same asset and options";
+
 /// A file that was made, with its grids, for --json.
 nlohmann::ordered_json toJson(const BakedFile& file);
 

@@ -18,7 +18,7 @@ struct Arguments {
 };
 
 void run(const Arguments& arguments) {
-  for (const std::string& part : arguments.parts) checkOutput(part, arguments.output);
+  for (const std::string& part : arguments.parts) checkSingleOutput(part, arguments.output);
   const BakedFile merged = mergeVdb(arguments.parts, arguments.output, consoleContext());
   if (arguments.json) {
     std::cout << text(toJson(merged)) << "\n";

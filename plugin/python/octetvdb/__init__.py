@@ -25,7 +25,7 @@ from ._octetvdb import (BakedFile, BakeReport, CageQuality, Cancelled, Certifica
                         RigidRotation, SampledFrame, ThreadLimit, UniformFlow, VerifiedGrid, VortexLine,
                         VortexRing, __version__, bake, box_cage, cage_quality, fill_surface,
                         fill_tetrahedra, integrate, merge, nearest_closed, read_grid_info,
-                        sample_velocity, spaced_points, streamlines, verify)
+                        sample_velocity, spaced_points, streamlines, targets, verify)
 from ._meshio import from_meshio, to_meshio
 from ._preview import preview
 
@@ -36,5 +36,5 @@ __all__ = ["BakedFile", "BakeReport", "CageQuality", "Cancelled", "Certificate",
            "RigidRotation", "SampledFrame", "ThreadLimit", "UniformFlow", "VerifiedGrid", "VortexLine",
            "VortexRing", "__version__", "bake", "box_cage", "cage_quality", "fill_surface",
            "fill_tetrahedra", "from_meshio", "integrate", "merge", "nearest_closed", "preview",
-           "read_grid_info", "sample_velocity", "spaced_points", "streamlines", "to_meshio",
-           "verify"]
+           "read_grid_info", "sample_velocity", "spaced_points", "streamlines", "targets",
+           "to_meshio", "verify"]

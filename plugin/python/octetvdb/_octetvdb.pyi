@@ -15,6 +15,7 @@ _Signs = NDArray[np.int8]
 _Progress = Callable[[str, int, int, str], bool | None] | None
 
 __version__: str
+targets: tuple[str, ...]
 
 class Error(Exception):
     file: str
@@ -281,6 +282,8 @@ class BakedFile:
     def frame(self) -> int | None: ...
     @property
     def grids(self) -> list[GridInfo]: ...
+    @property
+    def skipped(self) -> bool: ...
 
 class BakeReport:
     @property
@@ -315,7 +318,8 @@ def bake(
     half: bool = ...,
     project: bool = ...,
     method: str = ...,
-    frames: tuple[int, int] | None = ...,
+    frames: str | Sequence[int] | None = ...,
+    skip_existing: bool = ...,
     region: Sequence[float] | None = ...,
     shard: tuple[int, int] | None = ...,
     zeta: float = ...,
