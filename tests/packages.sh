@@ -26,6 +26,8 @@ TEST_PACKAGES=(python3 git libgtest-dev libbenchmark-dev libosd-dev python3-open
 BUILD_PACKAGES+=(pybind11-dev python3-dev)
 TEST_PACKAGES+=(python3-pytest python3-meshio blender xvfb xauth)
 TEST_PACKAGES+=(libtinyexr-dev openimageio-tools)
+# What the tests of farms, packages and the man page need.
+TEST_PACKAGES+=(slurm-wlm python3-yaml man-db dpkg-dev)
 # What the build with sanitizers needs: Clang, as GCC takes twice as long for it.
 SANITIZER_PACKAGES=(clang libclang-rt-dev)
 # What the benchmarks and the comparison with VTK need besides the build.

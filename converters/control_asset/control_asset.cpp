@@ -8,6 +8,7 @@
 #include <set>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
 
 #include "document.h"
 
@@ -25,30 +26,14 @@ std::string join(const std::string& place, const std::string& key) {
   return place.empty() ? key : place + "." + key;
 }
 
-/// Edit distance, for "did you mean".
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, change});
-    }
-  }
-  return row[b.size()];
-}
-
 /// Keys that mean nothing are left alone, unless they look like a slip for one that does.
 void checkKeys(const DocumentValue& object, const std::string& place,
                const std::vector<std::string>& known) {
   for (const std::string& key : object.as<DocumentObject>()->keys) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    for (const std::string& other : known) {
-      if (other.size() > 3 && distance(key, other) <= 2) {
-        throw InputError(join(place, key), "is not a key; did you mean \"" + other + "\"?");
-      }
+    const std::string meant = nearestName(key, known);
+    if (meant.size() > 3) {
+      throw InputError(join(place, key), "is not a key; did you mean \"" + meant + "\"?");
     }
   }
 }
@@ -304,7 +289,7 @@ Form readForm(const DocumentValue& object, const std::string& place, SimplexFind
     const std::string where = place + ".frames[\"" + key + "\"]";
     int frame = 0;
     const auto [end, status] = std::from_chars(key.data(), key.data() + key.size(), frame);
-    if (status != std::errc() || end != key.data() + key.size() || frame < 0 || frame > 9999999) {
+    if (status != std::errc() || end != key.data() + key.size() || std::abs(frame) > kLastFrame) {
       throw InputError(where, "is not named by a frame number");
     }
     if (!form.frames.emplace(frame, readValues(byFrame.values[k], where)).second) {
@@ -366,13 +351,13 @@ std::vector<Index> listedVertices(const Complex& complex, const Form& form, std:
 }  // namespace
 
 const Form& ControlAsset::form(const std::string& wanted) const {
-  std::string names;
+  std::vector<std::string> names;
   for (const Form& f : forms) {
     if (f.name == wanted) return f;
-    names += (names.empty() ? "" : ", ") + f.name;
+    names.push_back(f.name);
   }
-  throw InputError(
-      "", "there is no form \"" + wanted + "\"; the asset has " + (names.empty() ? "none" : names));
+  throw InputError("", "there is no form \"" + wanted + "\"; the asset has " +
+                           (names.empty() ? "none" : listOf(names)) + didYouMean(wanted, names));
 }
 
 std::optional<std::pair<int, int>> ControlAsset::frameRange() const {

@@ -10,6 +10,9 @@
 
 namespace octet {
 
+/// No frame is farther from 0, before or after.
+inline constexpr int kLastFrame = 9999999;
+
 /// A form of a control asset: coefficients on some simplices, the others are 0; constant or one
 /// set per frame. `simplices` are dense indices into the control complex and `signs` tell whether
 /// the asset lists them along the stored orientation.

@@ -35,10 +35,12 @@ std::vector<SurfaceLayer> layersOf(const TriangleSurface& surface, const FillOpt
 }
 
 /// Bodies less cavities, and bodies in these again.
-SignedDistance distanceTo(const std::vector<SurfaceLayer>& layers, double spacing) {
+SignedDistance distanceTo(const std::vector<SurfaceLayer>& layers, double spacing,
+                          const Context& context) {
   std::vector<SignedDistance> distances;
   for (const SurfaceLayer& layer : layers) {
-    distances.push_back(sampledDistance(layer.surface, spacing / kVoxelsPerEdge, kBand * spacing));
+    distances.push_back(
+        sampledDistance(layer.surface, spacing / kVoxelsPerEdge, kBand * spacing, context));
   }
   return [distances](const Vec3& p) {
     double d = distances[0](p);
@@ -266,7 +268,7 @@ ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& optio
   LatticeFillOptions lattice;
   lattice.spacing = options.spacing;
   lattice.depth = options.depth;
-  const SignedDistance distance = distanceTo(layers, options.spacing);
+  const SignedDistance distance = distanceTo(layers, options.spacing, context);
   ControlMesh mesh = options.fitBoundary
                          ? Fitting(surface, distance, lattice, options, context).run(&done)
                          : ControlMesh::build(fillLattice(surface.bounds(), distance, lattice,

@@ -2,6 +2,7 @@
 #include "vdb_surface.h"
 
 #include <cmath>
+#include <mutex>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Count.h>
@@ -10,6 +11,7 @@
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
 
 namespace octet {
 namespace {
@@ -26,6 +28,33 @@ struct MeshAdapter {
     const Vec3& x = surface.vertices[surface.triangles[n][v]];
     p = transform.worldToIndex(openvdb::Vec3d(x[0], x[1], x[2]));
   }
+};
+
+/// What OpenVDB's tools ask whether to stop, from any thread; then they return early.
+class Stop {
+ public:
+  explicit Stop(const Context& context) : context_(context) {}
+
+  void start(const char*) const {}
+  void end() const {}
+  bool wasInterrupted(int = -1) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    try {
+      if (!why_) context_.poll();
+    } catch (...) {
+      why_ = std::current_exception();
+    }
+    return why_ != nullptr;
+  }
+  /// Throws what ended the work, if anything did.
+  void check() const {
+    if (why_) std::rethrow_exception(why_);
+  }
+
+ private:
+  const Context& context_;
+  std::mutex mutex_;
+  std::exception_ptr why_;
 };
 
 /// The largest active value, without which half of it is no isovalue.
@@ -78,17 +107,18 @@ TriangleSurface readVdbSurface(const std::string& path, const SurfaceReadOptions
   try {
     openvdb::io::File file(path);
     file.open();
-    std::string names;
+    std::vector<std::string> names;
     const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
     for (const auto& grid : *grids) {
-      names += (names.empty() ? "" : ", ") + grid->getName();
+      names.push_back(grid->getName());
       const bool wanted = options.grid.empty() ? isScalar(*grid) : grid->getName() == options.grid;
       if (!found && wanted) found = grid;
     }
     if (!found) {
       throw InputError(options.grid.empty() ? "" : "grid \"" + options.grid + "\"",
                        "there is none" + std::string(options.grid.empty() ? " of float" : "") +
-                           "; the file has " + (names.empty() ? "no grid" : names));
+                           "; the file has " + (names.empty() ? "no grid" : listOf(names)) +
+                           didYouMean(options.grid, names));
     }
     if (!isScalar(*found)) {
       throw InputError("grid \"" + found->getName() + "\"", "is no float or double grid");
@@ -103,15 +133,18 @@ TriangleSurface readVdbSurface(const std::string& path, const SurfaceReadOptions
   return extract(*openvdb::gridPtrCast<openvdb::DoubleGrid>(found), options);
 }
 
-SignedDistance sampledDistance(const TriangleSurface& surface, double voxelSize, double band) {
+SignedDistance sampledDistance(const TriangleSurface& surface, double voxelSize, double band,
+                               const Context& context) {
   openvdb::initialize();
   const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
   // Index coordinates stay small however far from the origin the body is.
   const Vec3 centre = (surface.bounds().min + surface.bounds().max) / 2;
   transform->postTranslate(openvdb::Vec3d(centre[0], centre[1], centre[2]));
   const float width = static_cast<float>(std::ceil(band / voxelSize) + 1);
+  Stop stop(context);
   const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-      MeshAdapter{surface, *transform}, *transform, width, width);
+      stop, MeshAdapter{surface, *transform}, *transform, width, width);
+  stop.check();
   return [grid](const Vec3& p) -> double {
     const openvdb::Vec3d index =
         grid->constTransform().worldToIndex(openvdb::Vec3d(p[0], p[1], p[2]));

@@ -16,6 +16,8 @@ TriangleSurface readVdbSurface(const std::string& path, const SurfaceReadOptions
 /// given size: exact to a fraction of a voxel within `band` of the surface, beyond it the band's
 /// width with the right sign. Whether a point is inside is OpenVDB's: what cannot be reached from
 /// outside without crossing the surface; triangles may have any orientation and intersect.
-SignedDistance sampledDistance(const TriangleSurface& surface, double voxelSize, double band);
+/// @throws Cancelled
+SignedDistance sampledDistance(const TriangleSurface& surface, double voxelSize, double band,
+                               const Context& context = {});
 
 }  // namespace octet

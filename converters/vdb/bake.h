@@ -11,7 +11,8 @@ namespace octet {
 struct BakedFile {
   std::string path;
   std::optional<int> frame;
-  std::vector<VdbGridInfo> grids;
+  std::vector<VdbGridInfo> grids;  ///< none of a file that was there already
+  bool skipped = false;            ///< it was, and is what would have been baked
 };
 
 /// What a bake did.
@@ -20,12 +21,13 @@ struct BakeReport {
   std::int64_t cells = 0;  ///< at the finest level
   double voxelSize = 0, meanEdge = 0;
   std::string note;  ///< what the target's importer has to do
+  std::string part;  ///< "shard 2 of 7", "region"; empty: the whole
   std::vector<BakedFile> files;
 };
 
 /// @brief The main job: control asset to OpenVDB. One grid per form (converters/README.md,
-/// "Grids"); an animated asset becomes a numbered sequence `name.0001.vdb`, for which topology is
-/// refined once.
+/// "Grids"); an animated asset becomes a numbered sequence, for which topology is refined once. The
+/// frame's place in the files' names is as FrameName says (frames.h), before the ending by default.
 /// @throws InputError, IoError, MemoryError, Cancelled; files finished before stay, the one in work
 /// does not.
 BakeReport bake(const ControlAsset& asset, const BakeOptions& options, const std::string& path,
@@ -36,6 +38,7 @@ struct PlannedFile {
   std::string path;
   std::optional<int> frame;
   std::vector<BakePlan> grids;
+  bool skipped = false;  ///< it is there, and a bake would leave it
 };
 
 /// What a bake would do.

@@ -5,7 +5,6 @@
 
 #include <octet/core/forms/coboundary.h>
 #include <octet/core/forms/with_degree.h>
-#include <octet/core/topology/domain_box.h>
 #include <octet/core/topology/mean_edge.h>
 
 namespace octet {
@@ -16,7 +15,9 @@ constexpr double kCancelled = 1e-14;
 
 }  // namespace
 
-MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake, const Context& context) {
+MeshFacts findMeshFacts(const ControlAsset& asset, const BakeOptions& bake,
+                        const Context& context) {
+  const ControlMesh& mesh = asset.mesh;
   RefinerOptions options;
   options.levels = 1;
   options.zeta = bake.zeta;
@@ -26,7 +27,9 @@ MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake, const 
   const Limit limit(refiner);
   MeshFacts facts;
   facts.controlEdge = meanEdge(*mesh.complex(), mesh.positions());
-  facts.longestSide = domainBox(refiner.finest(), limit.positions()).size().maxCoeff();
+  facts.turn = turnFor(asset.units.upAxis, bake);
+  facts.domain = DomainShape(refiner.finest(), limit.positions(), facts.turn);
+  facts.longestSide = facts.domain.box().size().maxCoeff();
   facts.firstEdge = meanEdge(refiner.finest(), limit.positions());
   facts.tets = static_cast<double>(mesh.complex()->tetCount());
   facts.octs = static_cast<double>(mesh.complex()->octCount());
@@ -47,18 +50,17 @@ ControlForm ControlForms::find(const Form& form, const std::string& grid, std::o
   result.facts.name = form.name;
   result.facts.unit = form.unit;
   result.facts.grid = grid;
+  result.facts.mode = mode(form);
   withDegree(form.degree, [&](auto degree) {
     constexpr int K = decltype(degree)::value;
     const int number = frame.value_or(0);
     if constexpr (K < 3) {
       if (options_.derivative) {
-        result.facts.mode = derivativeMode<K>(form);
         const auto given = coefficients<K>(asset_, form, number);
         take<K + 1>(derivative<K>(form, number), &given, facts, &result, context);
         return;
       }
     }
-    result.facts.mode = boundaryMode(asset_, form, options_.boundary);
     auto control = coefficients<K>(asset_, form, number);
     if constexpr (K == 1 || K == 2) {
       if (options_.project) {
@@ -70,6 +72,18 @@ ControlForm ControlForms::find(const Form& form, const std::string& grid, std::o
     take<K>(std::move(control), nullptr, facts, &result, context);
   });
   return result;
+}
+
+BoundaryMode ControlForms::mode(const Form& form) const {
+  if (!options_.derivative) return boundaryMode(asset_, form, options_.boundary);
+  return withDegree(form.degree, [&](auto degree) {
+    constexpr int K = decltype(degree)::value;
+    if constexpr (K < 3) {
+      return derivativeMode<K>(form);
+    } else {
+      return BoundaryMode::Walls;
+    }
+  });
 }
 
 /// Puts coefficients and what there is to know of them into the result.

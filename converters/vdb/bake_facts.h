@@ -5,8 +5,8 @@
 
 namespace octet {
 
-/// Refines a mesh once to see what the levels after it will be like.
-MeshFacts findMeshFacts(const ControlMesh& mesh, const BakeOptions& bake,
+/// Refines an asset's mesh once to see what the levels after it will be like.
+MeshFacts findMeshFacts(const ControlAsset& asset, const BakeOptions& bake,
                         const Context& context = {});
 
 /// Tells what a subdivision can do. @param fineEdge  mean edge of the finest level
@@ -35,6 +35,9 @@ class ControlForms {
   /// @param frame  none for a constant asset. @throws InputError, Cancelled
   ControlForm find(const Form& form, const std::string& grid, std::optional<int> frame,
                    const BakeFacts& facts, const Context& context = {}) const;
+
+  /// How what is baked of a form meets the boundary, in all frames alike.
+  BoundaryMode mode(const Form& form) const;
 
  private:
   template <int K>

@@ -3,13 +3,12 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <octet/core/field/field.h>
-#include <octet/core/raster/tile.h>
 
 #include "../control_asset/refined_document.h"
+#include "grid_part.h"
 
 namespace octet {
 
@@ -35,8 +34,12 @@ struct BakeOptions {
   BakeMethod method = BakeMethod::Auto;
   bool half = false;
   bool project = false;  ///< replace 1- and 2-forms that are not closed by the nearest closed ones
-  std::optional<std::pair<int, int>> frames;  ///< first and last; absent: all that the forms have
+  std::optional<std::vector<int>> frames;  ///< absent: all that the forms have
+  /// Leave files that are there, complete and made from the same (content_tag.h).
+  bool skipExisting = false;
   double zeta = kDefaultZeta;
+  std::optional<Box> region;   ///< bake only the leaves that it meets, world units of the asset
+  std::optional<Shard> shard;  ///< bake only one of several parts
 };
 
 }  // namespace octet

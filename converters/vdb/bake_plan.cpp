@@ -2,9 +2,11 @@
 #include "bake_plan.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include <octet/core/base/memory_budget.h>
 #include <octet/core/raster/flux_rasterizer.h>
+#include <octet/core/refine/cell_memory.h>
 #include <octet/core/refine/most_levels.h>
 
 #include "targets.h"
@@ -15,8 +17,10 @@ namespace {
 
 /// Automatic levels refine until the mean fine edge is at most this many voxels.
 constexpr double kVoxelsPerEdge = 2;
-/// What a cell of the finest level takes in memory, at most (tests/bench/memory.cpp).
-constexpr double kBytesPerCell = 600;
+/// What a leaf of a grid takes besides its values, and its share of the nodes above it.
+constexpr double kBytesPerLeaf = 200;
+/// Samples along a leaf.
+constexpr double kLeafSamples = 8;
 
 double planVoxelSize(const BakeOptions& options, const MeshFacts& facts) {
   const bool bySize = options.voxelSize != 0, byCount = options.resolution != 0;
@@ -54,6 +58,36 @@ int automaticLevels(const MeshFacts& facts, double voxelSize) {
   int levels = 0;
   while (foreseenEdge(facts, levels) > kVoxelsPerEdge * voxelSize) ++levels;
   return levels;
+}
+
+/// Leaves of a grid, about; of a part of it, when that is asked for.
+double foreseenLeaves(const BakeOptions& options, const MeshFacts& facts, double voxelSize) {
+  const double leaf = kLeafSamples * voxelSize;
+  // A leaf's samples span less than the leaf; staggered ones lie around voxels that are touched.
+  const double reach =
+      options.sampling == Sampling::Staggered ? leaf + voxelSize : leaf - voxelSize;
+  double leaves = facts.domain.cubes(leaf, reach);
+  if (options.shard) {
+    constexpr double kUneven = 1.2;
+    leaves *= std::min(1.0, kUneven / options.shard->count);
+  } else if (options.region) {
+    const Box region = turnedBox(*options.region, facts.turn), all = facts.domain.box();
+    double most = 1;
+    for (int k = 0; k < 3; ++k) {
+      const double from = std::max(region.min[k], all.min[k]);
+      most *= std::max(0.0, std::min(region.max[k], all.max[k]) - from) / leaf + 2;
+    }
+    leaves = std::min(leaves, most);
+  }
+  return leaves;
+}
+
+/// "950", "12 million".
+std::string inWords(double count) {
+  char text[32];
+  const bool many = count >= 1e6;
+  std::snprintf(text, sizeof text, count < 1e15 ? "%.0f" : "%.3g", many ? count / 1e6 : count);
+  return text + std::string(many ? " million" : "");
 }
 
 bool isVector(int degree) { return degree == 1 || degree == 2; }
@@ -116,19 +150,48 @@ ResolutionPlan planResolution(const BakeOptions& options, const MeshFacts& facts
   }
   plan.cells = cellsAt(facts, plan.levels);
   plan.fineEdge = foreseenEdge(facts, plan.levels);
-  plan.bytes = kBytesPerCell * plan.cells;
+  plan.meshBytes = (kOperatorBytesPerCell + kFieldBytesPerCell) * plan.cells;
+  const double leaves = foreseenLeaves(options, facts, plan.voxelSize);
+  const double samples = kLeafSamples * kLeafSamples * kLeafSamples;
+  plan.voxels = std::min(facts.domain.volume() / std::pow(plan.voxelSize, 3), samples * leaves);
+  const int components = facts.scalars + 3 * facts.vectors;
+  plan.gridBytes = leaves * (samples * sizeof(float) * components +
+                             kBytesPerLeaf * (facts.scalars + facts.vectors));
   return plan;
 }
 
-void checkMemory(const ResolutionPlan& plan, double memory) {
-  if (plan.bytes <= memory) return;
-  throw MemoryError("levels",
-                    std::to_string(plan.levels) + " would make about " +
-                        std::to_string(std::llround(plan.cells / 1e6)) +
-                        " million cells, which need up to " + inGigabytes(plan.bytes) +
-                        " of memory; there are " + inGigabytes(memory) +
-                        "; give fewer --levels or larger voxels",
-                    plan.bytes, memory);
+int largestResolution(const BakeOptions& options, const MeshFacts& facts, double memory) {
+  BakeOptions tried = options;
+  tried.voxelSize = 0;
+  const auto fits = [&](int resolution) {
+    tried.resolution = resolution;
+    return planResolution(tried, facts).bytes() <= memory;
+  };
+  int most = 0, tooMany = 1 << 20;
+  while (tooMany - most > 1) {
+    const int middle = most + (tooMany - most) / 2;
+    (fits(middle) ? most : tooMany) = middle;
+  }
+  return most;
+}
+
+void checkMemory(const ResolutionPlan& plan, const BakeOptions& options, const MeshFacts& facts,
+                 double memory) {
+  if (plan.bytes() <= memory) return;
+  const int most = largestResolution(options, facts, memory);
+  throw MemoryError(options.voxelSize != 0 ? "voxel size" : "resolution",
+                    "about " + inWords(plan.voxels) + " voxels and " + inWords(plan.cells) +
+                        " cells, of " + std::to_string(plan.levels) + " levels, need up to " +
+                        inGigabytes(plan.bytes()) + " of memory; there are " + inGigabytes(memory) +
+                        "; " +
+                        (most > 0 ? "the largest resolution that fits is " + std::to_string(most)
+                                  : "give fewer levels"),
+                    plan.bytes(), memory);
+}
+
+AxisTurn turnFor(char upAxis, const BakeOptions& options) {
+  const char target = findTarget(options.target).upAxis;
+  return {upAxis, target ? target : upAxis};
 }
 
 void checkMethod(const BakeOptions& options, const RefinementFacts& refinement) {
@@ -152,7 +215,7 @@ BakePlan planBake(const FormFacts& form, const BakeOptions& options, const BakeF
   plan.grid = form.grid;
   plan.degree = form.degree;
   plan.resolution = facts.resolution;
-  plan.turn = {facts.upAxis, target.upAxis ? target.upAxis : facts.upAxis};
+  plan.turn = turnFor(facts.upAxis, options);
   if (target.voxelCornered) plan.shift = Vec3::Constant(-facts.resolution.voxelSize / 2);
   plan.mode = form.mode;
   plan.boundaryRule = facts.refinement.boundaryRule;

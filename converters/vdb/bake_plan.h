@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <octet/core/field/turned_field.h>
-
 #include "bake_options.h"
 #include "bake_reason.h"
+#include "domain_shape.h"
 
 /// @file
 /// What a bake is going to do, decided before it does it. All functions here are pure: the same
@@ -15,10 +14,13 @@ namespace octet {
 
 /// What is known of a mesh and its first level.
 struct MeshFacts {
-  double controlEdge = 0;     ///< mean edge of the control mesh
-  double longestSide = 0;     ///< of the box around the limit surface
-  double firstEdge = 0;       ///< mean edge of level 1, between limit positions
-  double tets = 0, octs = 0;  ///< of the control mesh
+  double controlEdge = 0;        ///< mean edge of the control mesh
+  double longestSide = 0;        ///< of the box around the limit surface
+  double firstEdge = 0;          ///< mean edge of level 1, between limit positions
+  double tets = 0, octs = 0;     ///< of the control mesh
+  AxisTurn turn{};               ///< from the asset's axes to the target's
+  DomainShape domain{};          ///< what level 1 fills, in the target's axes
+  int scalars = 0, vectors = 0;  ///< grids of a file
 };
 
 /// How fine a bake is, and what it foresees to take.
@@ -27,7 +29,10 @@ struct ResolutionPlan {
   int levels = 0;        ///< subdivisions
   double cells = 0;      ///< at the finest level
   double fineEdge = 0;   ///< mean edge there, about
-  double bytes = 0;      ///< of memory, at most
+  double voxels = 0;     ///< of each grid, about
+  double meshBytes = 0;  ///< of memory for the refined mesh and fields on it, at most
+  double gridBytes = 0;  ///< for the grids of a file
+  double bytes() const { return meshBytes + gridBytes; }
 };
 
 /// Takes the voxel size that is given, or follows from a resolution along the domain's longest
@@ -35,8 +40,13 @@ struct ResolutionPlan {
 /// @throws InputError for sizes that are none
 ResolutionPlan planResolution(const BakeOptions& options, const MeshFacts& facts);
 
-/// @throws MemoryError when a bake needs more than `memory` bytes
-void checkMemory(const ResolutionPlan& plan, double memory);
+/// Finds the most voxels along the longest side for which a bake takes at most `memory` bytes, with
+/// the levels that options give, if they do; 0 when there is no such number.
+int largestResolution(const BakeOptions& options, const MeshFacts& facts, double memory);
+
+/// @throws MemoryError when the bake that is planned needs more than `memory` bytes
+void checkMemory(const ResolutionPlan& plan, const BakeOptions& options, const MeshFacts& facts,
+                 double memory);
 
 /// What is known of the refined mesh: measured, or foreseen.
 struct RefinementFacts {
@@ -82,9 +92,13 @@ struct BakePlan {
   Reconstruction reconstruction = Reconstruction::Limit;
   GridMethod method = GridMethod::None;
   Sampling sampling = Sampling::Collocated;
-  double neighbours = 0;  ///< weight in means of collocated circulations (neighbourWeight)
+  double neighbours = 0;           ///< weight in means of collocated circulations (neighbourWeight)
+  std::optional<GridPart> part{};  ///< which part of the grid; none: all
   std::vector<BakeReason> reasons;
 };
+
+/// From an asset's axes to those that a target wants.
+AxisTurn turnFor(char upAxis, const BakeOptions& options);
 
 /// @throws InputError when the method that is asked for needs what refinement does not give
 void checkMethod(const BakeOptions& options, const RefinementFacts& refinement);

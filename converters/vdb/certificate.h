@@ -33,6 +33,7 @@ struct Certificate {
   double outflow = 0;                 ///< net flux out of the active voxels
   double throughflow = 0;             ///< sum of the absolute fluxes through their border
   bool half = false;
+  bool partial = false;  ///< of a part of a grid, where it knows what is around a voxel
 };
 
 /// Largest divergence that rounding to floats can leave in a grid whose exact divergence is zero.
@@ -40,6 +41,9 @@ struct Certificate {
 /// differences, twice the speed at most, and two sums of them, six times, round once more each.
 /// Central differences, over two voxels, have half of it.
 inline constexpr double kFloatDivergence = (6 + 3 * 2 + 2 * 6) / 16777216.0;
+
+/// The metadatum that a certificate has when it is of a part only.
+inline constexpr const char* kPartialMetadata = "octet_certificate";
 
 /// As grid metadata: names that begin with "octet_".
 std::vector<VdbMetadata> toMetadata(const Certificate& certificate);

@@ -87,6 +87,8 @@ VdbGridSpec FormBaker::gridSpec(const BakePlan& plan) const {
   spec.name = plan.grid;
   spec.reasons = plan.reasons;
   spec.frame.voxelSize = plan.resolution.voxelSize;
+  spec.part = plan.part;
+  if (plan.part) spec.frame.window = plan.part->window;
   spec.shift = plan.shift;
   spec.half = options_.half;
   spec.sampling = plan.sampling;

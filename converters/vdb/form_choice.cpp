@@ -2,6 +2,7 @@
 #include "form_choice.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include <octet/core/base/error.h>
 
@@ -42,10 +43,13 @@ void FormChoice::takeNamed() {
 void FormChoice::findVelocity() {
   for (const int degree : {2, 1}) {
     for (const Form* form : forms_) {
-      const int baked = form->degree + (options_.derivative ? 1 : 0);
-      if (!velocity_ && baked == degree) velocity_ = form;
+      if (!velocity_ && bakedDegree(*form) == degree) velocity_ = form;
     }
   }
+}
+
+int FormChoice::bakedDegree(const Form& form) const {
+  return form.degree + (options_.derivative ? 1 : 0);
 }
 
 void FormChoice::checkNames() const {
@@ -64,7 +68,7 @@ std::string FormChoice::gridName(const Form& form) const {
   return &form == velocity_ && target_.velocityName[0] ? target_.velocityName : form.name;
 }
 
-std::optional<std::pair<int, int>> FormChoice::frames() const {
+std::optional<std::vector<int>> FormChoice::frames() const {
   std::optional<std::pair<int, int>> range;
   for (const Form* form : forms_) {
     if (!form->animated()) continue;
@@ -72,16 +76,22 @@ std::optional<std::pair<int, int>> FormChoice::frames() const {
     range = range ? std::pair{std::min(range->first, first), std::max(range->second, last)}
                   : std::pair{first, last};
   }
-  if (!options_.frames) return range;
-  if (options_.frames->first > options_.frames->second) {
-    throw InputError("frames", "the first is after the last");
+  if (!range) {
+    if (options_.frames) throw InputError("frames", "the asset's forms are not animated");
+    return std::nullopt;
   }
-  if (!range) throw InputError("frames", "the asset's forms are not animated");
-  if (options_.frames->first < range->first || options_.frames->second > range->second) {
-    throw InputError("frames", "the asset has frames " + std::to_string(range->first) + "-" +
-                                   std::to_string(range->second));
+  if (options_.frames) {
+    for (const int frame : *options_.frames) {
+      if (frame >= range->first && frame <= range->second) continue;
+      throw InputError("frames", "the asset has frames " + std::to_string(range->first) + "-" +
+                                     std::to_string(range->second) + ", not " +
+                                     std::to_string(frame));
+    }
+    return options_.frames;
   }
-  return options_.frames;
+  std::vector<int> all(static_cast<std::size_t>(range->second - range->first) + 1);
+  std::iota(all.begin(), all.end(), range->first);
+  return all;
 }
 
 }  // namespace octet

@@ -16,12 +16,14 @@ class FormChoice {
   FormChoice(const ControlAsset& asset, const BakeOptions& options, const Target& target);
 
   const std::vector<const Form*>& forms() const { return forms_; }
+  /// Degree of what is baked of a form: its own, or its derivative's.
+  int bakedDegree(const Form& form) const;
   /// The form's own name, or what the target looks for when it is the velocity.
   std::string gridName(const Form& form) const;
 
-  /// First and last frame to bake; none when no form is animated.
+  /// Frames to bake; none when no form is animated.
   /// @throws InputError when frames are asked for that there are none of
-  std::optional<std::pair<int, int>> frames() const;
+  std::optional<std::vector<int>> frames() const;
 
  private:
   void takeAll();

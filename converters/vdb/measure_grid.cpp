@@ -4,175 +4,297 @@
 #include <cmath>
 
 #include <openvdb/math/Operators.h>
-#include <openvdb/tools/GridOperators.h>
-#include <openvdb/tree/LeafManager.h>
+
+#include <octet/core/base/reported_loop.h>
+
+#include "block_walk.h"
+#include "grid_stencils.h"
 
 namespace octet {
 namespace {
 
 using openvdb::Coord;
 
-/// Sums and maxima over one leaf.
-struct LeafSums {
+/// Sums and maxima over a lot of voxels.
+struct Sums {
   std::uint64_t active = 0, inside = 0, free = 0, curlInside = 0;
-  double maxDivergence = 0, squaredDivergence = 0, maxCurl = 0, squaredCurl = 0;
-  double minSpeed = HUGE_VAL, maxSpeed = 0, squaredSpeed = 0, outflow = 0, throughflow = 0;
+  double maxDivergence = 0, squaredDivergence = 0, maxSquaredCurl = 0, squaredCurl = 0;
+  double minSquaredSpeed = HUGE_VAL, maxSquaredSpeed = 0, squaredSpeed = 0;
+  double outflow = 0, throughflow = 0;
   Coord at;
-};
 
-template <typename Accessor>
-bool allOn(const Accessor& grid, const Coord& ijk, int step) {
-  return grid.isValueOn(ijk.offsetBy(step, 0, 0)) && grid.isValueOn(ijk.offsetBy(0, step, 0)) &&
-         grid.isValueOn(ijk.offsetBy(0, 0, step));
-}
-
-template <typename Grid>
-using LeavesOf = openvdb::tree::LeafManager<const typename Grid::TreeType>;
-
-/// Edge and volume of a voxel, world units.
-struct VoxelMeasure {
-  explicit VoxelMeasure(const openvdb::GridBase& grid) {
-    const openvdb::Vec3d size = grid.voxelSize();
-    edge = std::min({size[0], size[1], size[2]});
-    volume = size[0] * size[1] * size[2];
+  void addSpeeds(double squared, std::uint64_t count) {
+    active += count;
+    minSquaredSpeed = std::min(minSquaredSpeed, squared);
+    maxSquaredSpeed = std::max(maxSquaredSpeed, squared);
+    squaredSpeed += static_cast<double>(count) * squared;
   }
-  double edge, volume;
-};
-
-/// Measures the leaves of a grid with the operators for its map (uniform scale, rotation, ...).
-template <typename Grid>
-struct MeasureOperators {
-  const Grid& grid;
-  LeavesOf<Grid>* leaves;
-  bool staggered;
-  double rounding;  // divergences up to this are none
-  std::vector<LeafSums>* sums;
-  const Context& context;
-
-  template <typename Map>
-  void operator()(const Map& map) const {
-    if (staggered) {
-      measure<openvdb::math::Divergence<Map, openvdb::math::FD_1ST>,
-              openvdb::math::Curl<Map, openvdb::math::BD_1ST>>(map);
-    } else {
-      measure<openvdb::math::Divergence<Map, openvdb::math::CD_2ND>,
-              openvdb::math::Curl<Map, openvdb::math::CD_2ND>>(map);
-    }
+  void addFlux(double through, int side, double count) {
+    outflow += (side ? count : -count) * through;
+    throughflow += count * std::abs(through);
   }
-
-  template <typename Divergence, typename Curl, typename Map>
-  void measure(const Map& map) const {
-    leaves->foreach ([&](const auto& leaf, std::size_t n) {
-      context.poll();
-      const auto accessor = grid.getConstAccessor();
-      LeafSums& s = (*sums)[n];
-      for (auto it = leaf.cbeginValueOn(); it; ++it) {
-        const Coord ijk = it.getCoord();
-        const bool ahead = allOn(accessor, ijk, 1), behind = allOn(accessor, ijk, -1);
-        if (ahead && (staggered || behind)) {
-          const double div = std::abs(static_cast<double>(Divergence::result(map, accessor, ijk)));
-          ++s.inside;
-          if (div <= rounding) ++s.free;
-          s.squaredDivergence += div * div;
-          if (div > s.maxDivergence) s.at = ijk;
-          s.maxDivergence = std::max(s.maxDivergence, div);
-        }
-        if (behind && (staggered || ahead)) {
-          const double curl = openvdb::Vec3d(Curl::result(map, accessor, ijk)).length();
-          ++s.curlInside;
-          s.squaredCurl += curl * curl;
-          s.maxCurl = std::max(s.maxCurl, curl);
-        }
-      }
-    });
+  /// @param rounding  divergences up to this are none
+  void addDivergence(double div, double rounding, std::uint64_t count, const Coord& ijk) {
+    inside += count;
+    if (div <= rounding) free += count;
+    squaredDivergence += static_cast<double>(count) * div * div;
+    if (!(div > maxDivergence)) return;
+    maxDivergence = div;
+    at = ijk;
   }
-};
-
-/// Speeds, and fluxes through those of a voxel's faces that border on inactive voxels. Collocated
-/// values stand for the faces around them.
-template <typename Grid>
-class MeasureValues {
- public:
-  MeasureValues(const Grid& grid, bool staggered) : grid_(grid), staggered_(staggered) {}
-
-  void operator()(LeavesOf<Grid>* leaves, std::vector<LeafSums>* sums,
-                  const Context& context) const {
-    leaves->foreach ([&](const auto& leaf, std::size_t n) {
-      context.poll();
-      const auto accessor = grid_.getConstAccessor();
-      for (auto it = leaf.cbeginValueOn(); it; ++it) {
-        add(accessor, it.getCoord(), openvdb::Vec3d(it.getValue()), &(*sums)[n]);
-      }
-    });
+  void addCurl(double squared, std::uint64_t count) {
+    curlInside += count;
+    squaredCurl += static_cast<double>(count) * squared;
+    maxSquaredCurl = std::max(maxSquaredCurl, squared);
   }
-
- private:
-  template <typename Accessor>
-  void add(const Accessor& accessor, const Coord& ijk, const openvdb::Vec3d& value,
-           LeafSums* s) const {
-    ++s->active;
-    const double speed = value.length();
-    s->minSpeed = std::min(s->minSpeed, speed);
-    s->maxSpeed = std::max(s->maxSpeed, speed);
-    s->squaredSpeed += speed * speed;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const int side : {-1, 1}) {
-        Coord next = ijk;
-        next[axis] += side;
-        if (accessor.isValueOn(next)) continue;
-        const double through = staggered_ && side > 0
-                                   ? static_cast<double>(accessor.getValue(next)[axis])
-                                   : value[axis];
-        s->outflow += side * through;
-        s->throughflow += std::abs(through);
-      }
-    }
-  }
-
-  const Grid& grid_;
-  bool staggered_;
-};
-
-/// Sums over the leaves, in their order; divergences as the operators give them.
-Certificate sumUp(const std::vector<LeafSums>& sums, const VoxelMeasure& voxel) {
-  Certificate c;
-  double squaredDivergence = 0, squaredCurl = 0, squaredSpeed = 0, minSpeed = HUGE_VAL;
-  std::uint64_t curlInside = 0;
-  for (const LeafSums& s : sums) {
-    c.activeVoxels += s.active;
-    c.insideVoxels += s.inside;
-    c.freeVoxels += s.free;
+  void add(const Sums& s) {
+    active += s.active;
+    inside += s.inside;
+    free += s.free;
     curlInside += s.curlInside;
     squaredDivergence += s.squaredDivergence;
     squaredCurl += s.squaredCurl;
     squaredSpeed += s.squaredSpeed;
-    minSpeed = std::min(minSpeed, s.minSpeed);
-    c.maxSpeed = std::max(c.maxSpeed, s.maxSpeed);
-    c.outflow += s.outflow;
-    c.throughflow += s.throughflow;
-    c.maxCurl = std::max(c.maxCurl, s.maxCurl);
-    if (s.maxDivergence > c.maxDivergence) {
-      c.maxDivergence = s.maxDivergence;
-      for (int k = 0; k < 3; ++k) c.at[k] = s.at[k];
+    minSquaredSpeed = std::min(minSquaredSpeed, s.minSquaredSpeed);
+    maxSquaredSpeed = std::max(maxSquaredSpeed, s.maxSquaredSpeed);
+    outflow += s.outflow;
+    throughflow += s.throughflow;
+    maxSquaredCurl = std::max(maxSquaredCurl, s.maxSquaredCurl);
+    if (!(s.maxDivergence > maxDivergence)) return;
+    maxDivergence = s.maxDivergence;
+    at = s.at;
+  }
+};
+
+template <typename Vector>
+double squaredLength(const Vector& v) {
+  return openvdb::Vec3d(v).lengthSqr();
+}
+
+/// Speeds, and fluxes through those of a voxel's faces that border on inactive voxels. Collocated
+/// values stand for the faces around them.
+template <typename Tree>
+struct MeasureValues {
+  bool staggered;
+  Sums* sums;
+
+  void add(const BlockStar<Tree>& star) {
+    const LeafMask active = star.active();
+    visitBits(active, [&](int n) { sums->addSpeeds(squaredLength(star.own[n]), 1); });
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int side : {0, 1}) {
+        if (!star.known[axis][side]) {
+          addFluxes(star, axis, side, inner(active, axis, side));
+        } else {
+          addFluxes(star, axis, side, active);
+        }
+      }
     }
   }
-  const double area = std::cbrt(voxel.volume * voxel.volume);
-  c.minSpeed = c.activeVoxels ? minSpeed : 0;
-  c.energy = squaredSpeed / 2 * voxel.volume;
-  c.outflow *= area;
-  c.throughflow *= area;
-  const double relative = c.maxSpeed > 0 ? voxel.edge / c.maxSpeed : 0;
-  const auto rms = [](double sum, std::uint64_t n) {
-    return n ? std::sqrt(sum / static_cast<double>(n)) : 0.0;
+
+  void add(const ConstantBox<Tree>& box) {
+    const auto size = static_cast<std::uint64_t>(box.size);
+    sums->addSpeeds(squaredLength(box.value), size * size * size);
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int side : {0, 1}) {
+        if (box.on[axis][side] || !box.known[axis][side]) continue;
+        const auto& value = staggered && side ? box.sides[axis][side] : box.value;
+        sums->addFlux(value[axis], side, static_cast<double>(size * size));
+      }
+    }
+  }
+
+ private:
+  /// Without the last layer towards a side.
+  static LeafMask inner(LeafMask mask, int axis, int side) {
+    for (int x = 0; x < 8; ++x) {
+      const int last = side ? 7 : 0;
+      if (axis == 0 && x == last) mask[x] = 0;
+      if (axis == 1) mask[x] &= ~(std::uint64_t{0xff} << (8 * last));
+      if (axis == 2) mask[x] &= ~(std::uint64_t{0x0101010101010101} << last);
+    }
+    return mask;
+  }
+
+  void addFluxes(const BlockStar<Tree>& star, int axis, int side, LeafMask mask) {
+    const LeafMask on = star.besideActive(axis, side);
+    for (int x = 0; x < 8; ++x) mask[x] &= ~on[x];
+    constexpr int kSteps[3] = {64, 8, 1};
+    const int step = kSteps[axis];
+    visitBits(mask, [&](int n) {
+      const bool last = n / step % 8 == 7;
+      const auto& value = !(staggered && side) ? star.own[n]
+                          : last               ? star.sides[axis][1][n - 7 * step]
+                                               : star.own[n + step];
+      sums->addFlux(value[axis], side, 1);
+    });
+  }
+};
+
+/// Divergence and curl, by OpenVDB's operators for a map and a scheme.
+template <typename Tree, typename Map, typename Divergence, typename Curl>
+struct MeasureOperators {
+  using Vector = typename Tree::ValueType;
+  using Real = typename Vector::value_type;
+
+  const Map& map;
+  bool staggered;
+  double rounding;  // divergences up to this are none
+  Sums* sums;
+  PaddedBlock<Vector> padded{};
+
+  void add(const BlockStar<Tree>& star) {
+    LeafMask inside = star.active(), curlInside = inside;
+    restrict(star.allBesideActive(1), star.allBesideActive(0), &inside, &curlInside);
+    const auto empty = [](const LeafMask& mask) {
+      for (const std::uint64_t word : mask) {
+        if (word) return false;
+      }
+      return true;
+    };
+    if (empty(inside) && empty(curlInside)) return;
+    padded.fill(star);
+    // Of all voxels, in rows: loops without a branch.
+    std::array<Real, kVoxelsOfBlock> divergences;
+    std::array<double, kVoxelsOfBlock> squaredCurls;
+    for (int row = 0; row < 64; ++row) {
+      const int first = PaddedBlock<Vector>::place(8 * row);
+      for (int z = 0; z < 8; ++z) {
+        const auto stencil = padded.stencil(first + z, star.origin.offsetBy(row / 8, row % 8, z));
+        divergences[8 * row + z] = Divergence::result(map, stencil);
+        squaredCurls[8 * row + z] = squaredLength(Curl::result(map, stencil));
+      }
+    }
+    visitBits(inside, [&](int n) {
+      const Coord ijk = star.origin.offsetBy(n / 64, n / 8 % 8, n % 8);
+      sums->addDivergence(std::abs(static_cast<double>(divergences[n])), rounding, 1, ijk);
+    });
+    visitBits(curlInside, [&](int n) { sums->addCurl(squaredCurls[n], 1); });
+  }
+
+  /// A box has 27 kinds of voxels: inside, on a facet, on an edge, at a corner.
+  void add(const ConstantBox<Tree>& box) {
+    for (int kind = 0; kind < 27; ++kind)
+      addKind(box, {kind / 9 - 1, kind / 3 % 3 - 1, kind % 3 - 1});
+  }
+
+ private:
+  template <typename Mask>
+  void restrict(const Mask& ahead, const Mask& behind, Mask* inside, Mask* curlInside) const {
+    for (int x = 0; x < 8; ++x) {
+      (*inside)[x] &= staggered ? ahead[x] : ahead[x] & behind[x];
+      (*curlInside)[x] &= staggered ? behind[x] : ahead[x] & behind[x];
+    }
+  }
+
+  /// @param place  by axis: -1 in the first layer, 1 in the last, else 0
+  void addKind(const ConstantBox<Tree>& box, const std::array<int, 3>& place) {
+    BoxStencil<Vector> stencil;
+    stencil.own = box.value;
+    stencil.ijk = box.origin;
+    std::uint64_t count = 1;
+    bool on[2] = {true, true};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (place[axis] == 0) count *= static_cast<std::uint64_t>(box.size - 2);
+      stencil.ijk[axis] += place[axis] < 0 ? 0 : place[axis] > 0 ? box.size - 1 : 1;
+      for (const int side : {0, 1}) {
+        const bool out = place[axis] == (side ? 1 : -1);
+        stencil.sides[axis][side] = out ? box.sides[axis][side] : box.value;
+        on[side] = on[side] && (!out || box.on[axis][side]);
+      }
+    }
+    if (staggered ? on[1] : on[0] && on[1]) {
+      const double div = std::abs(static_cast<double>(Divergence::result(map, stencil)));
+      sums->addDivergence(div, rounding, count, stencil.ijk);
+    }
+    if (staggered ? on[0] : on[0] && on[1]) {
+      sums->addCurl(squaredLength(Curl::result(map, stencil)), count);
+    }
+  }
+};
+
+/// Sums over all lots, in their order. @param makeVisitor  given where to put a lot's sums
+template <typename Tree, typename MakeVisitor>
+Sums sumOverLots(const BlockWalk<Tree>& walk, const MakeVisitor& makeVisitor,
+                 const Context& context) {
+  std::vector<Sums> lots(walk.lotCount());
+  parallelFor<std::size_t>(
+      lots.size(),
+      [&](std::size_t lot) {
+        auto visitor = makeVisitor(&lots[lot]);
+        walk.visit(lot, &visitor);
+      },
+      context, 1);
+  Sums all;
+  for (const Sums& sums : lots) all.add(sums);
+  return all;
+}
+
+/// Chooses the operators for a grid's map (uniform scale, rotation, ...).
+template <typename Tree>
+struct SumOperators {
+  const BlockWalk<Tree>& walk;
+  bool staggered;
+  double rounding;
+  const Context& context;
+  Sums* sums;
+
+  template <typename Map>
+  void operator()(const Map& map) const {
+    using namespace openvdb::math;
+    if (staggered) {
+      measure<Map, Divergence<Map, FD_1ST>, Curl<Map, BD_1ST>>(map);
+    } else {
+      measure<Map, Divergence<Map, CD_2ND>, Curl<Map, CD_2ND>>(map);
+    }
+  }
+
+  template <typename Map, typename Divergence, typename Curl>
+  void measure(const Map& map) const {
+    using Visitor = MeasureOperators<Tree, Map, Divergence, Curl>;
+    sums->add(sumOverLots(
+        walk,
+        [&](Sums* lot) {
+          return Visitor{map, staggered, rounding, lot};
+        },
+        context));
+  }
+};
+
+/// In the units of the certificate. @param voxel  edges of a voxel, world units
+Certificate toCertificate(const Sums& s, const openvdb::Vec3d& voxel) {
+  Certificate c;
+  const double edge = std::min({voxel[0], voxel[1], voxel[2]});
+  const double volume = voxel[0] * voxel[1] * voxel[2], area = std::cbrt(volume * volume);
+  c.activeVoxels = s.active;
+  c.insideVoxels = s.inside;
+  c.freeVoxels = s.free;
+  for (int k = 0; k < 3; ++k) c.at[k] = s.at[k];
+  c.minSpeed = s.active ? std::sqrt(s.minSquaredSpeed) : 0;
+  c.maxSpeed = std::sqrt(s.maxSquaredSpeed);
+  c.energy = s.squaredSpeed / 2 * volume;
+  c.outflow = s.outflow * area;
+  c.throughflow = s.throughflow * area;
+  const double relative = c.maxSpeed > 0 ? edge / c.maxSpeed : 0;
+  const auto rms = [&](double sum, std::uint64_t n) {
+    return n ? relative * std::sqrt(sum / static_cast<double>(n)) : 0.0;
   };
-  c.maxDivergence *= relative;
-  c.maxCurl *= relative;
-  c.rmsDivergence = relative * rms(squaredDivergence, c.insideVoxels);
-  c.rmsCurl = relative * rms(squaredCurl, curlInside);
+  c.rmsDivergence = rms(s.squaredDivergence, s.inside);
+  c.rmsCurl = rms(s.squaredCurl, s.curlInside);
+  // What is no number is less than nothing; it shows in the sums.
+  c.maxDivergence = std::isnan(c.rmsDivergence) ? NAN : relative * s.maxDivergence;
+  c.maxCurl = std::isnan(c.rmsCurl) ? NAN : relative * std::sqrt(s.maxSquaredCurl);
   return c;
 }
 
 }  // namespace
+
+std::optional<GridPart> partOf(const openvdb::GridBase& grid) {
+  return readPart([&](const std::string& name) {
+    const openvdb::Metadata::ConstPtr found = grid[name];
+    return found ? found->str() : "";
+  });
+}
 
 bool isStaggered(const openvdb::GridBase& grid) {
   if (grid.getGridClass() == openvdb::GRID_STAGGERED) return true;
@@ -181,46 +303,34 @@ bool isStaggered(const openvdb::GridBase& grid) {
 }
 
 template <typename Grid>
-Certificate measureGrid(const Grid& original, const Context& context) {
-  typename Grid::ConstPtr grid = original.copy();  // shares the tree
-  if (original.tree().hasActiveTiles()) {
-    const auto voxels = original.deepCopy();
-    voxels->tree().voxelizeActiveTiles();
-    grid = voxels;
+Certificate measureGrid(const Grid& grid, const Context& context) {
+  using Tree = typename Grid::TreeType;
+  const bool staggered = isStaggered(grid);
+  const openvdb::Vec3d voxel = grid.voxelSize();
+  const auto part = partOf(grid);
+  // Where a map is not affine, operators give other numbers at other places.
+  const BlockWalk<Tree> walk(grid.tree(), part ? part->window : kAllTiles,
+                             !grid.transform().isLinear(), context);
+  Sums sums = sumOverLots(
+      walk,
+      [&](Sums* lot) {
+        return MeasureValues<Tree>{staggered, lot};
+      },
+      context);
+  const double rounding =
+      kFloatDivergence * std::sqrt(sums.maxSquaredSpeed) / std::min({voxel[0], voxel[1], voxel[2]});
+  const SumOperators<Tree> measure{walk, staggered, rounding, context, &sums};
+  if (!openvdb::math::processTypedMap(grid.transform(), measure)) {
+    throw openvdb::TypeError("a transform of type " + grid.transform().mapType());
   }
-  const bool staggered = isStaggered(original);
-  LeavesOf<Grid> leaves(grid->tree());
-  const VoxelMeasure voxel(*grid);
-  std::vector<LeafSums> sums(leaves.leafCount());
-  MeasureValues<Grid>(*grid, staggered)(&leaves, &sums, context);
-  double maxSpeed = 0;
-  for (const LeafSums& s : sums) maxSpeed = std::max(maxSpeed, s.maxSpeed);
-  const MeasureOperators<Grid> measure{
-      *grid, &leaves, staggered, kFloatDivergence * maxSpeed / voxel.edge, &sums, context};
-  if (!openvdb::math::processTypedMap(grid->transform(), measure)) {
-    throw openvdb::TypeError("a transform of type " + grid->transform().mapType());
-  }
-  Certificate c = sumUp(sums, voxel);
+  Certificate c = toCertificate(sums, voxel);
   c.scheme = staggered ? "FD_1ST" : "CD_2ND";
-  c.half = original.saveFloatAsHalf();
+  c.half = grid.saveFloatAsHalf();
+  c.partial = part.has_value();
   return c;
 }
 
 template Certificate measureGrid(const openvdb::Vec3SGrid&, const Context&);
 template Certificate measureGrid(const openvdb::Vec3DGrid&, const Context&);
-
-std::vector<VdbMetadata> toMetadata(const Certificate& c) {
-  return {{"octet_divergence_scheme", c.scheme},
-          {"octet_divergence_max", c.maxDivergence},
-          {"octet_divergence_rms", c.rmsDivergence},
-          {"octet_curl_max", c.maxCurl},
-          {"octet_curl_rms", c.rmsCurl},
-          {"octet_inside_voxels", static_cast<double>(c.insideVoxels)},
-          {"octet_divergence_free_voxels", static_cast<double>(c.freeVoxels)},
-          {"octet_speed_max", c.maxSpeed},
-          {"octet_energy", c.energy},
-          {"octet_outflow", c.outflow},
-          {"octet_throughflow", c.throughflow}};
-}
 
 }  // namespace octet

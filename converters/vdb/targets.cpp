@@ -2,6 +2,7 @@
 #include "targets.h"
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
 
 namespace octet {
 
@@ -19,12 +20,13 @@ const std::vector<Target>& targets() {
 }
 
 const Target& findTarget(const std::string& name) {
-  std::string names;
+  std::vector<std::string> names;
   for (const Target& target : targets()) {
     if (target.name == name) return target;
-    names += (names.empty() ? "" : ", ") + std::string(target.name);
+    names.emplace_back(target.name);
   }
-  throw InputError("target", "\"" + name + "\" is none of " + names);
+  throw InputError("target",
+                   "\"" + name + "\" is none of " + listOf(names) + didYouMean(name, names));
 }
 
 }  // namespace octet

@@ -12,6 +12,7 @@
 
 #include "bake_reason.h"
 #include "certificate.h"
+#include "grid_part.h"
 
 namespace octet {
 
@@ -24,7 +25,8 @@ struct VdbGridSpec {
   Class gridClass = Class::Unknown;
   VectorType vectorType = VectorType::ContravariantRelative;  ///< of a vector grid
   GridFrame frame;                                            ///< where samples are taken
-  Vec3 shift = Vec3::Zero();  ///< by which the written transform differs from the frame
+  std::optional<GridPart> part;  ///< which part of the grid; its window is the frame's
+  Vec3 shift = Vec3::Zero();     ///< by which the written transform differs from the frame
   Sampling sampling = Sampling::Collocated;
   bool half = false;                ///< save as 16-bit floats
   std::vector<BakeReason> reasons;  ///< for how a vector grid is made
@@ -84,6 +86,10 @@ class VdbFile {
   struct Grids;
   std::unique_ptr<Grids> grids_;
 };
+
+/// @throws InputError for the name of a file to write that does not end in .vdb: what holds grids
+/// must not look like something else
+void checkVdbName(const std::string& path);
 
 /// Reads what a .vdb holds. @throws InputError when it cannot be read.
 std::vector<VdbGridInfo> readVdbInfo(const std::string& path,

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
 
 #include "vdb_input.h"
 
@@ -84,9 +85,9 @@ bool isScalar(const openvdb::GridBase& grid) {
 openvdb::GridBase::Ptr chooseGrid(const openvdb::GridPtrVec& grids, const std::string& path,
                                   const std::string& name) {
   openvdb::GridBase::Ptr chosen;
-  std::string names;
+  std::vector<std::string> names;
   for (const openvdb::GridBase::Ptr& grid : grids) {
-    names += (names.empty() ? "\"" : ", \"") + grid->getName() + "\"";
+    names.push_back(grid->getName());
     const bool usable = isVector(*grid) || isScalar(*grid);
     if (name.empty()) {
       if (usable && (!chosen || (isVector(*grid) && !isVector(*chosen)))) chosen = grid;
@@ -99,10 +100,11 @@ openvdb::GridBase::Ptr chooseGrid(const openvdb::GridPtrVec& grids, const std::s
     }
   }
   if (chosen) return chosen;
-  throw InputError(
-      path, "",
-      name.empty() ? "has no grid of type float, double, vec3s or vec3d"
-                   : "has no grid \"" + name + "\"; it has " + (names.empty() ? "none" : names));
+  throw InputError(path, "",
+                   name.empty()
+                       ? "has no grid of type float, double, vec3s or vec3d"
+                       : "has no grid \"" + name + "\"; it has " +
+                             (names.empty() ? "none" : listOf(names)) + didYouMean(name, names));
 }
 
 }  // namespace

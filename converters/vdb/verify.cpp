@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <map>
 
-#include <openvdb/io/File.h>
-#include <openvdb/openvdb.h>
-
 #include <octet/core/base/error.h>
+#include <octet/core/base/reported_loop.h>
+#include <octet/core/base/suggestion.h>
 
+#include "block_walk.h"
 #include "certificate.h"
 #include "measure_grid.h"
+#include "vdb_input.h"
 
 namespace octet {
 namespace {
@@ -37,23 +36,49 @@ bool splitComponent(const std::string& name, std::string* common, int* axis) {
 
 /// One vector grid from three grids of numbers; active where any of them is.
 template <typename VectorGrid, typename ScalarGrid>
-typename VectorGrid::Ptr merged(const std::array<openvdb::GridBase::Ptr, 3>& parts) {
-  auto result = VectorGrid::create();
+typename VectorGrid::Ptr merged(const std::array<openvdb::GridBase::Ptr, 3>& parts,
+                                const Context& context) {
+  using Tree = typename VectorGrid::TreeType;
+  using Scalars = Block<typename ScalarGrid::TreeType>;
+  using ScalarAccessor = typename ScalarGrid::ConstUnsafeAccessor;
+  std::array<typename ScalarGrid::Ptr, 3> grids;
+  for (int axis = 0; axis < 3; ++axis) {
+    grids[axis] = openvdb::gridPtrCast<ScalarGrid>(parts[axis]);
+  }
+  auto result =
+      VectorGrid::create({grids[0]->background(), grids[1]->background(), grids[2]->background()});
   result->setTransform(parts[0]->transformPtr());
   result->setGridClass(parts[0]->getGridClass());
   result->setSaveFloatAsHalf(parts[0]->saveFloatAsHalf());
-  std::array<typename ScalarGrid::Ptr, 3> grids;
-  for (int axis = 0; axis < 3; ++axis) {
-    grids[axis] = openvdb::gridPtrCast<ScalarGrid>(parts[axis])->deepCopy();
-    grids[axis]->tree().voxelizeActiveTiles();
-    result->tree().topologyUnion(grids[axis]->tree());
+  Tree& tree = result->tree();
+  for (const auto& grid : grids) tree.topologyUnion(grid->tree());
+  const auto at = [&](const openvdb::Coord& origin) {
+    std::array<Scalars, 3> blocks;
+    for (int axis = 0; axis < 3; ++axis) {
+      blocks[axis] = Scalars::at(ScalarAccessor(grids[axis]->tree()), origin);
+    }
+    return blocks;
+  };
+  // Where one of the three has a leaf or a smaller tile, the union has one, too.
+  auto tile = tree.beginValueOn();
+  tile.setMaxDepth(Tree::ValueOnIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    context.poll();
+    const auto blocks = at(tile.getCoord());
+    tile.setValue({blocks[0].value, blocks[1].value, blocks[2].value});
   }
-  auto in0 = grids[0]->getConstAccessor(), in1 = grids[1]->getConstAccessor(),
-       in2 = grids[2]->getConstAccessor();
-  for (auto it = result->beginValueOn(); it; ++it) {
-    const openvdb::Coord ijk = it.getCoord();
-    it.setValue({in0.getValue(ijk), in1.getValue(ijk), in2.getValue(ijk)});
-  }
+  std::vector<typename Tree::LeafNodeType*> leaves;
+  tree.getNodes(leaves);
+  parallelFor<std::size_t>(
+      leaves.size(),
+      [&](std::size_t k) {
+        const auto blocks = at(leaves[k]->origin());
+        auto* const values = leaves[k]->buffer().data();
+        for (int n = 0; n < kVoxelsOfBlock; ++n) {
+          values[n] = {blocks[0][n], blocks[1][n], blocks[2][n]};
+        }
+      },
+      context, 16);
   return result;
 }
 
@@ -95,11 +120,11 @@ std::vector<VerifiedGrid> measureAll(const openvdb::GridPtrVec& grids, const std
     if (!chosen(name)) continue;
     const std::string type = "3 x " + parts[0]->valueType();
     if (parts[0]->isType<openvdb::FloatGrid>()) {
-      result.push_back(
-          verified(name, type, *merged<openvdb::Vec3SGrid, openvdb::FloatGrid>(parts), context));
+      result.push_back(verified(
+          name, type, *merged<openvdb::Vec3SGrid, openvdb::FloatGrid>(parts, context), context));
     } else {
-      result.push_back(
-          verified(name, type, *merged<openvdb::Vec3DGrid, openvdb::DoubleGrid>(parts), context));
+      result.push_back(verified(
+          name, type, *merged<openvdb::Vec3DGrid, openvdb::DoubleGrid>(parts, context), context));
     }
   }
   return result;
@@ -109,30 +134,24 @@ std::vector<VerifiedGrid> measureAll(const openvdb::GridPtrVec& grids, const std
 
 std::vector<VerifiedGrid> verifyVdb(const std::string& path, const std::string& name,
                                     const Context& context) {
-  openvdb::initialize();
-  if (!std::ifstream(path)) {
-    throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
+  const VdbContents contents = readVdb(path, context);
+  std::vector<std::string> names, types;
+  for (const auto& grid : *contents.grids) {
+    names.push_back(grid->getName());
+    types.push_back(grid->getName() + " (" + grid->valueType() + ")");
   }
   std::vector<VerifiedGrid> result;
-  std::string names;
   try {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
-    const openvdb::GridPtrVecPtr grids = file.getGrids();
-    for (const auto& grid : *grids) {
-      names += (names.empty() ? "" : ", ") + grid->getName() + " (" + grid->valueType() + ")";
-    }
-    result = measureAll(*grids, name, context);
-    file.close();
+    result = measureAll(*contents.grids, name, context);
   } catch (const openvdb::Exception& e) {
-    throw InputError(path, "", std::string("is not a readable .vdb: ") + e.what());
-  } catch (const std::bad_alloc&) {
-    throw InputError(path, "", "is not a readable .vdb: it claims more memory than there is");
+    throw InputError(path, "", std::string("cannot be measured: ") + e.what());
+  } catch (const InputError& e) {
+    throw e.inFile(path);
   }
   if (result.empty()) {
-    throw InputError(
-        path, name,
-        "is no vector grid of this file; it has " + (names.empty() ? "no grids" : names));
+    throw InputError(path, name,
+                     "is no vector grid of this file; it has " +
+                         (types.empty() ? "no grids" : listOf(types)) + didYouMean(name, names));
   }
   return result;
 }

@@ -12,6 +12,7 @@
 #include <octet/core/forms/composite_de_rham.h>
 
 #include "../control_asset/refined_document.h"
+#include "../io/frames.h"
 
 namespace octet {
 namespace {
@@ -26,6 +27,48 @@ std::optional<int> frameNumber(const std::string& path) {
   constexpr std::size_t kMostDigits = 9;
   if (begin == end || end - begin > kMostDigits) return std::nullopt;
   return std::stoi(stem.substr(begin, end - begin));
+}
+
+/// A file and its frame; none of a single file, which is not a sequence.
+struct Source {
+  std::string path;
+  std::optional<int> frame;
+};
+
+/// Does a name stand for a sequence? Not when a file has just that name.
+bool isSequence(const std::string& name) {
+  return FrameName(name).hasFrame() && !std::filesystem::exists(name);
+}
+
+/// The files of a name: of a sequence those that are there, or the frames asked for.
+void add(const std::string& name, const SampleOptions& options, std::vector<Source>* sources) {
+  const FrameName sequence(name);
+  if (!isSequence(name)) {
+    sources->push_back({name, frameNumber(name)});
+  } else if (options.frames) {
+    for (const int frame : *options.frames) sources->push_back({sequence.at(frame), frame});
+  } else {
+    for (auto& [frame, path] : sequence.files()) sources->push_back({std::move(path), frame});
+  }
+}
+
+std::vector<Source> sourcesOf(const std::vector<std::string>& names, const SampleOptions& options) {
+  if (names.size() == 1 && !isSequence(names[0])) {
+    if (options.frames) throw InputError("frames", "are of names with a place for them");
+    return {{names[0], std::nullopt}};
+  }
+  std::vector<Source> sources;
+  for (const std::string& name : names) add(name, options, &sources);
+  std::map<int, std::string> seen;
+  for (const auto& [path, frame] : sources) {
+    if (!frame) throw InputError(path, "", "has no frame number in its name");
+    const auto [other, first] = seen.emplace(*frame, path);
+    if (!first) {
+      throw InputError(path, "",
+                       "has frame number " + std::to_string(*frame) + ", as has " + other->second);
+    }
+  }
+  return sources;
 }
 
 /// Sums of |a|^2 over indices, the same at any number of threads.
@@ -61,7 +104,7 @@ class Sampler {
     }
   }
 
-  SampleReport run(const std::vector<std::string>& paths) {
+  SampleReport run(const std::vector<Source>& sources) {
     SampleReport report;
     Form form;
     form.name = options_.name;
@@ -69,23 +112,22 @@ class Sampler {
     form.unit = "1/s";
     for (Index k = 0; k < complex().count(K); ++k) form.simplices.push_back(k);
     form.signs.assign(form.simplices.size(), 1);
-    const std::vector<std::optional<int>> numbers = frameNumbers(paths);
-    for (std::size_t k = 0; k < paths.size(); ++k) {
-      context_.report({"sample", k, paths.size(), "files"});
-      const VelocitySource source(paths[k], options_.read);
-      SampledFrame frame = describe(paths[k], numbers[k], source);
+    for (const auto& [path, number] : sources) {
+      context_.report({"sample", report.frames.size(), sources.size(), "files"});
+      const VelocitySource source(path, options_.read, context_);
+      SampledFrame frame = describe(path, number, source);
       const Cochain<K> coefficients = sample(source, &frame);
       measure(source, coefficients, &frame);
       std::vector<double> values(coefficients.values().begin(), coefficients.values().end());
-      if (numbers[k]) {
-        form.frames.emplace(*numbers[k], std::move(values));
+      if (number) {
+        form.frames.emplace(*number, std::move(values));
       } else {
         form.values = std::move(values);
       }
       report.sourceBytes += frame.bytes;
       report.frames.push_back(std::move(frame));
     }
-    context_.report({"sample", paths.size(), paths.size(), "files"});
+    context_.report({"sample", sources.size(), sources.size(), "files"});
     put(std::move(form));
     return report;
   }
@@ -97,24 +139,6 @@ class Sampler {
     RefinerOptions result;
     result.levels = options_.levels;
     result.zeta = options_.zeta;
-    return result;
-  }
-
-  /// None for a single file, which is not a sequence.
-  static std::vector<std::optional<int>> frameNumbers(const std::vector<std::string>& paths) {
-    std::vector<std::optional<int>> result;
-    if (paths.size() == 1) return {std::nullopt};
-    std::map<int, std::string> seen;
-    for (const std::string& path : paths) {
-      const auto number = frameNumber(path);
-      if (!number) throw InputError(path, "", "has no frame number in its name");
-      const auto [other, first] = seen.emplace(*number, path);
-      if (!first) {
-        throw InputError(
-            path, "", "has frame number " + std::to_string(*number) + ", as has " + other->second);
-      }
-      result.push_back(number);
-    }
     return result;
   }
 
@@ -194,7 +218,7 @@ class Sampler {
   }
 
   void measure(const VelocitySource& source, const Cochain<K>& form, SampledFrame* frame) const {
-    const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints);
+    const std::vector<Vec3> points = source.voxelPositions(options_.mostPoints, context_);
     const VectorField field = limitField(form);
     std::vector<Vec3> values(points.size());
     std::vector<std::uint8_t> inside(points.size());
@@ -241,9 +265,10 @@ class Sampler {
 
 }  // namespace
 
-SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>& paths,
+SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>& names,
                             const SampleOptions& options, const Context& context) {
-  if (paths.empty()) throw InputError("", "there are no velocity files");
+  const std::vector<Source> sources = sourcesOf(names, options);
+  if (sources.empty()) throw InputError("", "there are no velocity files");
   if (!std::isfinite(options.read.scale) || options.read.scale == 0) {
     throw InputError("scale", "is not a number other than 0");
   }
@@ -251,8 +276,8 @@ SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>&
     throw InputError("frames per second", "is not a positive number");
   }
   if (options.corrections < 0) throw InputError("corrections", "are fewer than none");
-  if (options.degree == 1) return Sampler<1>(asset, options, context).run(paths);
-  if (options.degree == 2) return Sampler<2>(asset, options, context).run(paths);
+  if (options.degree == 1) return Sampler<1>(asset, options, context).run(sources);
+  if (options.degree == 2) return Sampler<2>(asset, options, context).run(sources);
   throw InputError("degree", std::to_string(options.degree) + " is neither 1 nor 2");
 }
 

@@ -29,6 +29,7 @@ struct SampleOptions {
   int levels = 2;  ///< at which the limit field is compared with the source
   std::size_t mostPoints = std::size_t{1} << 20;  ///< of a frame at which they are compared
   double zeta = kDefaultZeta;
+  std::optional<std::vector<int>> frames;  ///< of sequences; absent: all files that are there
 };
 
 /// What became of one file. Relative numbers refer to the root mean square speed of the source.
@@ -54,12 +55,13 @@ struct SampleReport {
 
 /// @brief Turns velocity grids into a form of a control asset by the de Rham map: how caches of
 /// simulations are compressed and cleaned. One file becomes a constant form; several become an
-/// animated one, numbered by the last digits of their names.
+/// animated one, numbered by the last digits of their names. A name with a place for the frame
+/// (io/frames.h) stands for a sequence.
 ///
 /// Fluxes and circulations are integrated with pieces of a voxel's size (CompositeDeRham). Where
 /// the cage lies outside the grid its background, usually 0, counts.
 /// @throws InputError, Cancelled; the asset is then untouched.
-SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>& paths,
+SampleReport sampleVelocity(ControlAsset* asset, const std::vector<std::string>& names,
                             const SampleOptions& options, const Context& context = {});
 
 }  // namespace octet

@@ -2,17 +2,17 @@
 #include "velocity_source.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <functional>
+#include <map>
 
-#include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>
 #include <tbb/enumerable_thread_specific.h>
 
 #include <octet/core/base/error.h>
+#include <octet/core/base/suggestion.h>
+
+#include "../vdb/vdb_input.h"
 
 namespace octet {
 namespace {
@@ -60,26 +60,26 @@ Sampler samplerOf(const openvdb::GridBase::ConstPtr& grid) {
   return makeSampler<openvdb::DoubleGrid>(grid);
 }
 
-/// Calls `visit(coordinate, value)` for active voxels, also those in tiles, until it returns false.
+/// Calls `visit(box, value)` for active voxels, and for tiles, boxes of one value.
 template <typename Grid, typename Visit>
-void visitActive(const openvdb::GridBase& base, const Visit& visit) {
+void visitActive(const openvdb::GridBase& base, const Context& context, const Visit& visit) {
+  constexpr std::uint64_t kValuesPerPoll = 1 << 16;
   const auto& grid = static_cast<const Grid&>(base);
+  std::uint64_t seen = 0;
   for (auto it = grid.cbeginValueOn(); it; ++it) {
+    if (++seen % kValuesPerPoll == 0) context.poll();
     openvdb::CoordBBox box;
     it.getBoundingBox(box);
-    const auto value = it.getValue();
-    for (auto at = box.begin(); at; ++at) {
-      if (!visit(*at, value)) return;
-    }
+    visit(box, it.getValue());
   }
 }
 
 template <typename Visit>
-void visitActive(const openvdb::GridBase& grid, const Visit& visit) {
-  if (grid.isType<openvdb::Vec3SGrid>()) visitActive<openvdb::Vec3SGrid>(grid, visit);
-  if (grid.isType<openvdb::Vec3DGrid>()) visitActive<openvdb::Vec3DGrid>(grid, visit);
-  if (grid.isType<openvdb::FloatGrid>()) visitActive<openvdb::FloatGrid>(grid, visit);
-  if (grid.isType<openvdb::DoubleGrid>()) visitActive<openvdb::DoubleGrid>(grid, visit);
+void visitActive(const openvdb::GridBase& grid, const Context& context, const Visit& visit) {
+  if (grid.isType<openvdb::Vec3SGrid>()) visitActive<openvdb::Vec3SGrid>(grid, context, visit);
+  if (grid.isType<openvdb::Vec3DGrid>()) visitActive<openvdb::Vec3DGrid>(grid, context, visit);
+  if (grid.isType<openvdb::FloatGrid>()) visitActive<openvdb::FloatGrid>(grid, context, visit);
+  if (grid.isType<openvdb::DoubleGrid>()) visitActive<openvdb::DoubleGrid>(grid, context, visit);
 }
 
 template <typename Value>
@@ -91,31 +91,27 @@ bool finite(const Value& value) {
   }
 }
 
-/// The grids of a file by name, read when they are needed.
+/// The grids of a file by name.
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path), file_(path) {
-    openvdb::initialize();
-    if (!std::ifstream(path)) {
-      throw InputError(path, "", std::string("cannot be read: ") + std::strerror(errno));
+  Reader(const std::string& path, const Context& context) : path_(path) {
+    const VdbContents contents = readVdb(path, context);
+    for (const openvdb::GridBase::Ptr& grid : *contents.grids) {
+      names_.push_back(grid->getName());
+      grids_.emplace(grid->getName(), grid);
     }
-    file_.open(/*delayLoad=*/false);
-    for (auto it = file_.beginName(); it != file_.endName(); ++it) names_.push_back(*it);
   }
 
-  bool has(const std::string& name) const {
-    return std::find(names_.begin(), names_.end(), name) != names_.end();
-  }
-  openvdb::GridBase::Ptr metadata(const std::string& name) { return file_.readGridMetadata(name); }
-  openvdb::GridBase::Ptr read(const std::string& name) { return file_.readGrid(name); }
+  bool has(const std::string& name) const { return grids_.count(name) != 0; }
+  const openvdb::GridBase::Ptr& grid(const std::string& name) const { return grids_.at(name); }
 
   /// The vector grid of that name, or the names of the triple that it stands for; empty: none.
-  std::vector<std::string> resolve(const std::string& name) {
-    if (has(name) && isVector(*metadata(name))) return {name};
+  std::vector<std::string> resolve(const std::string& name) const {
+    if (has(name) && isVector(*grid(name))) return {name};
     for (const auto& endings : kComponentEndings) {
       std::vector<std::string> triple;
       for (const std::string& ending : endings) {
-        if (has(name + ending) && isScalar(*metadata(name + ending))) {
+        if (has(name + ending) && isScalar(*grid(name + ending))) {
           triple.push_back(name + ending);
         }
       }
@@ -125,17 +121,17 @@ class Reader {
   }
 
   /// What is meant when no name is given: velocity by name, else the only vector grid.
-  std::vector<std::string> find() {
+  std::vector<std::string> find() const {
     for (const std::string& name : kVelocityNames) {
       const auto found = resolve(name);
       if (!found.empty()) return found;
     }
     std::vector<std::string> vectors;
     for (const std::string& name : names_) {
-      if (isVector(*metadata(name))) vectors.push_back(name);
+      if (isVector(*grid(name))) vectors.push_back(name);
     }
     if (vectors.size() > 1) {
-      throw InputError(path_, "", "has several vector grids, choose one: " + list(vectors));
+      throw InputError(path_, "", "has several vector grids, choose one: " + listOf(vectors));
     }
     return vectors;
   }
@@ -144,19 +140,14 @@ class Reader {
     throw InputError(path_, "",
                      (name.empty() ? std::string("has no velocity")
                                    : "has no vector grid or float triple \"" + name + "\"") +
-                         "; its grids are " + (names_.empty() ? "none" : list(names_)));
+                         "; its grids are " + (names_.empty() ? "none" : listOf(names_)) +
+                         didYouMean(name, names_));
   }
 
  private:
-  static std::string list(const std::vector<std::string>& names) {
-    std::string result;
-    for (const std::string& name : names) result += (result.empty() ? "" : ", ") + name;
-    return result;
-  }
-
   std::string path_;
-  openvdb::io::File file_;
   std::vector<std::string> names_;
+  std::map<std::string, openvdb::GridBase::Ptr> grids_;
 };
 
 }  // namespace
@@ -191,16 +182,17 @@ struct VelocitySource::State {
   }
 };
 
-VelocitySource::VelocitySource(const std::string& path, const VelocityReadOptions& options) {
+VelocitySource::VelocitySource(const std::string& path, const VelocityReadOptions& options,
+                               const Context& context) {
   auto state = std::make_shared<State>();
-  try {
-    Reader reader(path);
+  {
+    const Reader reader(path, context);
     const auto names = options.grid.empty() ? reader.find() : reader.resolve(options.grid);
     if (names.empty()) reader.fail(options.grid);
     for (int c = 0; c < 3; ++c) {
       const std::size_t k = names.size() == 3 ? static_cast<std::size_t>(c) : 0;
       auto& part = state->components[static_cast<std::size_t>(c)];
-      part.grid = names.size() == 3 || c == 0 ? reader.read(names[k]) : state->components[0].grid;
+      part.grid = names.size() == 3 || c == 0 ? reader.grid(names[k]) : state->components[0].grid;
       part.sample = samplerOf(part.grid);
       part.component = c;
       if (!part.grid->transform().isLinear()) {
@@ -212,15 +204,12 @@ VelocitySource::VelocitySource(const std::string& path, const VelocityReadOption
       }
     }
     state->name = options.grid.empty() ? names[0] : options.grid;
-  } catch (const openvdb::Exception& e) {
-    throw InputError(path, "", std::string("is not a readable .vdb: ") + e.what());
-  } catch (const std::bad_alloc&) {
-    throw InputError(path, "", "is not a readable .vdb: it claims more memory than there is");
   }
 
   for (const auto& part : state->components) {
-    visitActive(*part.grid, [&](const openvdb::Coord& at, const auto& value) {
-      if (finite(value)) return true;
+    visitActive(*part.grid, context, [&](const openvdb::CoordBBox& box, const auto& value) {
+      if (finite(value)) return;
+      const openvdb::Coord& at = box.min();
       throw InputError(path, "grid " + part.grid->getName(),
                        "the value at voxel (" + std::to_string(at[0]) + ", " +
                            std::to_string(at[1]) + ", " + std::to_string(at[2]) +
@@ -264,15 +253,21 @@ double VelocitySource::voxelSize() const { return state_->voxelSize; }
 std::uint64_t VelocitySource::activeVoxels() const { return state_->activeVoxels; }
 const Box& VelocitySource::bounds() const { return state_->bounds; }
 
-std::vector<Vec3> VelocitySource::voxelPositions(std::size_t most) const {
+std::vector<Vec3> VelocitySource::voxelPositions(std::size_t most, const Context& context) const {
   const std::uint64_t stride = std::max<std::uint64_t>(1, (state_->activeVoxels + most - 1) / most);
   std::vector<Vec3> result;
-  std::uint64_t number = 0;
-  visitActive(state_->first(), [&](const openvdb::Coord& at, const auto&) {
-    if (number++ % stride == 0) {
-      result.push_back(fromVdb(state_->first().transform().indexToWorld(at)));
+  std::uint64_t next = 0;  // how many voxels are passed over before the next one
+  visitActive(state_->first(), context, [&](const openvdb::CoordBBox& box, const auto&) {
+    const openvdb::Coord size = box.dim();
+    const std::uint64_t count = box.volume();
+    for (; next < count; next += stride) {
+      const auto at = [&](std::uint64_t n) { return static_cast<std::int32_t>(n); };
+      const std::uint64_t column = next / size[2];
+      const openvdb::Coord ijk =
+          box.min().offsetBy(at(column / size[1]), at(column % size[1]), at(next % size[2]));
+      result.push_back(fromVdb(state_->first().transform().indexToWorld(ijk)));
     }
-    return true;
+    next -= count;
   });
   return result;
 }

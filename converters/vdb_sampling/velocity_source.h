@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <octet/core/base/context.h>
 #include <octet/core/geometry/box_bins.h>
 
 namespace octet {
@@ -30,8 +31,9 @@ struct VelocityReadOptions {
 class VelocitySource {
  public:
   /// @throws InputError when the file cannot be read, there is no such grid or several that could
-  /// be meant, a value is not finite, or nothing is active.
-  VelocitySource(const std::string& path, const VelocityReadOptions& options);
+  /// be meant, a value is not finite, or nothing is active. Cancelled
+  VelocitySource(const std::string& path, const VelocityReadOptions& options,
+                 const Context& context = {});
 
   /// World units per second.
   Vec3 at(const Vec3& point) const;
@@ -44,7 +46,8 @@ class VelocitySource {
   /// Box of the active voxels' samples.
   const Box& bounds() const;
   /// Where active voxels are, world units: all, or evenly thinned to at most `most`.
-  std::vector<Vec3> voxelPositions(std::size_t most) const;
+  /// @throws Cancelled
+  std::vector<Vec3> voxelPositions(std::size_t most, const Context& context = {}) const;
   /// Divergence at a voxel, per second, by the grid's own differences: forward on a staggered grid,
   /// central on a collocated one.
   double divergenceAt(const Vec3& voxel) const;

@@ -2,23 +2,12 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <functional>
 
 #include "../base/parallel.h"
-#include "../base/types.h"
+#include "tile.h"
 
 namespace octet {
-
-/// Index of a sample or a tile.
-using GridIndex = std::int32_t;
-
-/// A range of integer points, both ends included.
-struct IndexBox {
-  std::array<GridIndex, 3> min, max;
-  bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
-};
 
 inline GridIndex floorDivide(GridIndex a, GridIndex b) {
   return a >= 0 ? a / b : -((-a + b - 1) / b);
@@ -31,9 +20,10 @@ inline constexpr int kPatchTiles = 4;
 /// Cells by the blocks of patches that they meet, ascending in each.
 class BlockBins {
  public:
+  /// @param tiles  to cover, from the first of them on; cells may reach beyond
   BlockBins(Index cellCount, const IndexBox& tiles,
             const std::function<IndexBox(Index)>& tilesOfCell)
-      : tilesOfCell_(tilesOfCell), first_(tiles.min) {
+      : tilesOfCell_(tilesOfCell), tiles_(tiles), first_(tiles.min) {
     for (width_ = kPatchTiles; blockCount(tiles) > kMostBlocks; width_ *= 2) {
     }
     for (int k = 0; k < 3; ++k) counts_[k] = (tiles.max[k] - tiles.min[k]) / width_ + 1;
@@ -94,7 +84,7 @@ class BlockBins {
 
   template <typename Visit>
   void visitBlocks(Index cell, const Visit& visit) const {
-    const IndexBox box = tilesOfCell_(cell);
+    const IndexBox box = intersection(tilesOfCell_(cell), tiles_);
     if (box.empty()) return;
     const auto block = [&](GridIndex tile, int k) { return (tile - first_[k]) / width_; };
     for (GridIndex i = block(box.min[0], 0); i <= block(box.max[0], 0); ++i) {
@@ -107,6 +97,7 @@ class BlockBins {
   }
 
   std::function<IndexBox(Index)> tilesOfCell_;
+  const IndexBox tiles_;
   /// Blocks are one patch each, unless that makes more of them than this.
   static constexpr std::int64_t kMostBlocks = 1 << 20;
 

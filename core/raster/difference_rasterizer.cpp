@@ -8,6 +8,15 @@
 namespace octet {
 namespace {
 
+/// A frame of whose window the tiles beside it are wanted, too.
+GridFrame withNeighbours(GridFrame frame) {
+  for (int k = 0; k < 3; ++k) {
+    --frame.window.min[k];
+    ++frame.window.max[k];
+  }
+  return frame;
+}
+
 /// Samples a field into memory; active is what lies inside the domain.
 template <int C>
 void sampleInto(TileGrid<C>* grid, const Field<C>& field, const GridFrame& frame,
@@ -99,8 +108,8 @@ void rasterizeDifferences(const GradientField& field, const GridFrame& frame, Sa
   const double h = frame.voxelSize;
   TileGrid<3> vectors;
   TileGrid<1> inside;
-  sampleInto(&vectors, field.vectors, frame, stage, context);
-  sampleInto(&inside, field.base, frame, stage, context);
+  sampleInto(&vectors, field.vectors, withNeighbours(frame), stage, context);
+  sampleInto(&inside, field.base, withNeighbours(frame), stage, context);
   addVectors(vectors, frame, context, &inside);
   const Continued outside(inside, vectors, h);
   const auto potential = [&](const SampleIndex& at) {
@@ -110,6 +119,7 @@ void rasterizeDifferences(const GradientField& field, const GridFrame& frame, Sa
   const bool staggered = sampling == Sampling::Staggered;
   const auto difference = [&](std::size_t t) {
     const Tile<1>& f = inside.tile(t);
+    if (!frame.window.contains(f.place())) return;
     Tile<3> tile;
     tile.origin = f.origin;
     tile.active = f.active;

@@ -254,7 +254,8 @@ void rasterizePatches(const PotentialField& field, const GridFrame& frame,
     }
     return tilesOfBox(box);
   };
-  fillPatches<3>({c.cellCount(), tilesOfBox(bounds), tilesOfCell}, makePatch, sink, stage, context);
+  const CellTiles cells{c.cellCount(), tilesOfBox(bounds), tilesOfCell, frame.window};
+  fillPatches<3>(cells, makePatch, sink, stage, context);
 }
 
 /// How much of its Laplacian is added to a velocity. By the limit on the lattice, times the edge

@@ -50,10 +50,20 @@ struct CellTiles {
   Index cellCount;
   IndexBox all;  ///< the tiles of all cells
   std::function<IndexBox(Index)> ofCell;
+  IndexBox window = kAllTiles;  ///< the tiles that are wanted
+
+  /// What is wanted of all, made larger so that it begins where a patch of all begins.
+  IndexBox wanted() const {
+    IndexBox tiles = intersection(all, window);
+    if (tiles.empty()) return tiles;
+    for (int k = 0; k < 3; ++k) tiles.min[k] -= (tiles.min[k] - all.min[k]) % kPatchTiles;
+    return tiles;
+  }
 };
 
 /// @brief Fills a grid patch by patch, in parallel. A patch is filled by one task, from its cells
-/// in ascending order, so that the result does not depend on threads.
+/// in ascending order, so that the result does not depend on threads. Patches lie as those of all
+/// tiles do, so that neither does it depend on the window.
 ///
 /// Whatever rasterises is a Patch: begin(first tile) clears it, paint(cell) takes what a cell adds,
 /// finish(sink) hands out its tiles.
@@ -62,18 +72,25 @@ struct CellTiles {
 template <int C, typename MakePatch>
 void fillPatches(const CellTiles& cells, const MakePatch& makePatch, const TileSink<C>& sink,
                  const std::string& stage, const Context& context) {
-  if (cells.all.empty()) return;
-  const BlockBins blocks(cells.cellCount, cells.all, cells.ofCell);
+  const IndexBox wanted = cells.wanted();
+  if (wanted.empty()) return;
+  const BlockBins blocks(cells.cellCount, wanted, cells.ofCell);
   tbb::enumerable_thread_specific<decltype(makePatch())> patches(makePatch);
+  const TileSink<C> inWindow = [&](const Tile<C>& tile) {
+    if (cells.window.contains(tile.place())) sink(tile);
+  };
   const auto fillBlock = [&](std::size_t block) {
     if (blocks.begin(block) == blocks.end(block)) return;
     auto& patch = patches.local();
     blocks.visitPatches(block, [&](const std::array<GridIndex, 3>& tile) {
+      IndexBox tiles{tile, tile};
+      for (GridIndex& last : tiles.max) last += kPatchTiles - 1;
+      if (intersection(tiles, wanted).empty()) return;
       patch.begin(tile);
       for (const Index* cell = blocks.begin(block); cell != blocks.end(block); ++cell) {
         patch.paint(*cell);
       }
-      patch.finish(sink);
+      patch.finish(inWindow);
     });
   };
   // Progress is reported about this often, and for no fewer blocks at once than these.

@@ -258,7 +258,7 @@ void rasterize(const PieceSource<C>& source, const GridFrame& frame, Sampling sa
   const Box bounds = domainBox(source.complex(), source.positions());
   if (bounds.empty()) return;
   const CellTiles cells{source.complex().cellCount(), tilesOfBox(bounds),
-                        [&](Index cell) { return tilesOfBox(source.cellBox(cell)); }};
+                        [&](Index cell) { return tilesOfBox(source.cellBox(cell)); }, frame.window};
   const auto makePatch = [&] { return PatchPainter<C>(source, frame, sampling); };
   fillPatches<C>(cells, makePatch, sink, stage, context);
 }

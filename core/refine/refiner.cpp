@@ -6,15 +6,12 @@
 #include "../base/parallel.h"
 #include "../forms/coboundary.h"
 #include "../topology/split.h"
+#include "cell_memory.h"
 #include "most_levels.h"
 #include "step_adjoint.h"
 
 namespace octet {
 namespace {
-/// What a cell of a level takes in memory, at most, while levels are built
-/// (tests/bench/memory.cpp).
-constexpr double kBytesPerCell = 400;
-
 /// Reports the building of a level, part by part; what is done is told in cells.
 class LevelProgress {
  public:
@@ -74,7 +71,7 @@ Refiner::Refiner(const ControlMesh& mesh, const RefinerOptions& options, const C
   double reserved = 0;
   for (int k = 1; k <= options.levels; ++k) {
     const Level& coarse = *levels_.back();
-    reserved += kBytesPerCell * static_cast<double>(coarse.complex->children().cellCount());
+    reserved += kOperatorBytesPerCell * static_cast<double>(coarse.complex->children().cellCount());
     memory_ = MemoryReservation();
     memory_ = context.reserve(reserved, "the cells of " + std::to_string(k) + " levels");
     const LevelProgress progress(context.sub(shareOfLevel(k, options.levels)), k,

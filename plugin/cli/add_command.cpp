@@ -117,7 +117,7 @@ void run(Arguments& arguments) {
     for (const Primitive& p : readPrimitives(arguments.list)) arguments.primitives.push_back(p);
   }
   checkArguments(arguments);
-  checkOutput(arguments.control, arguments.output);
+  checkSingleOutput(arguments.control, arguments.output);
   ControlAsset asset = readAsset(arguments.control);
   const Json summary =
       arguments.degree == 1 ? add<1>(arguments, &asset) : add<2>(arguments, &asset);

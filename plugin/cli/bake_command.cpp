@@ -7,21 +7,20 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include <octet/converters/vdb/bake.h>
 #include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
-#include "../boundary_choices.h"
-#include "certificate_text.h"
 #include "commands.h"
 #include "console.h"
+#include "file_text.h"
 
 namespace octet::cli {
 namespace {
 
 struct Arguments {
   std::string control, output, levels = "auto";
-  std::optional<std::string> frames;
+  std::optional<std::string> frames, shard;
+  std::vector<double> region;
   bool json = false, dryRun = false;
   BakeOptions options;
 };
@@ -44,16 +43,23 @@ std::optional<int> parseLevels(const std::string& text) {
   return levels;
 }
 
-/// "A-B" or "A".
-std::pair<int, int> parseFrames(const std::string& text) {
+/// "I/N".
+Shard parseShard(const std::string& text) {
   const std::string_view view = text;
-  const std::size_t dash = view.find('-');
-  const auto first = parseNumber(view.substr(0, dash));
-  const auto last = dash == view.npos ? first : parseNumber(view.substr(dash + 1));
-  if (!first || !last) {
-    throw InputError("--frames", "\"" + text + "\" is neither a frame nor a range A-B");
+  const std::size_t slash = view.find('/');
+  const auto number = parseNumber(view.substr(0, slash));
+  const auto count = slash == view.npos ? std::nullopt : parseNumber(view.substr(slash + 1));
+  if (!number || !count) throw InputError("--shard", "\"" + text + "\" is not I/N, as in 2/8");
+  return {*number, *count};
+}
+
+Box parseRegion(const std::vector<double>& numbers) {
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.min[k] = numbers[static_cast<std::size_t>(k)];
+    box.max[k] = numbers[static_cast<std::size_t>(k) + 3];
   }
-  return std::pair{*first, *last};
+  return box;
 }
 
 std::string checkPositive(const std::string& text) {
@@ -72,68 +78,25 @@ auto withFile(const std::string& control, const Do& work) {
   }
 }
 
-nlohmann::ordered_json toJson(const VdbGridInfo& grid) {
-  nlohmann::ordered_json result = {{"name", grid.name},
-                                   {"type", grid.type},
-                                   {"class", grid.gridClass},
-                                   {"vector_type", grid.vectorType},
-                                   {"voxel_size", grid.voxelSize},
-                                   {"active_voxels", grid.activeVoxels},
-                                   {"leaves", grid.leaves},
-                                   {"index_min", grid.indexMin},
-                                   {"index_max", grid.indexMax},
-                                   {"min", grid.min},
-                                   {"max", grid.max},
-                                   {"half", grid.half}};
-  if (grid.method != GridMethod::None) {
-    result["method"] = methodName(grid.method);
-    result["sampled_voxels"] = grid.sampledVoxels;
-  }
-  if (!grid.reasons.empty()) result["note"] = words(grid.reasons);
-  if (grid.certificate) result["certificate"] = cli::toJson(*grid.certificate);
-  return result;
-}
-
-/// Of a grid of another method: "", or how many of its voxels are sampled.
-std::string shareOfSamples(const VdbGridInfo& grid) {
-  if (grid.sampledVoxels == 0 || grid.method == GridMethod::Samples) return "";
-  return ", samples in " + percent(grid.sampledVoxels, grid.activeVoxels) +
-         " of the voxels, near the boundary";
-}
-
 void print(const BakeReport& report, double seconds, bool json) {
   if (json) {
     nlohmann::ordered_json files = nlohmann::ordered_json::array();
-    for (const BakedFile& file : report.files) {
-      nlohmann::ordered_json entry = {{"path", file.path}};
-      if (file.frame) entry["frame"] = *file.frame;
-      entry["grids"] = nlohmann::ordered_json::array();
-      for (const VdbGridInfo& grid : file.grids) entry["grids"].push_back(toJson(grid));
-      files.push_back(std::move(entry));
-    }
-    const nlohmann::ordered_json document = {
-        {"levels", report.levels},      {"cells", report.cells}, {"voxel_size", report.voxelSize},
-        {"mean_edge", report.meanEdge}, {"seconds", seconds},    {"note", report.note},
-        {"files", std::move(files)}};
+    for (const BakedFile& file : report.files) files.push_back(cli::toJson(file));
+    const nlohmann::ordered_json document = {{"levels", report.levels},
+                                             {"cells", report.cells},
+                                             {"voxel_size", report.voxelSize},
+                                             {"mean_edge", report.meanEdge},
+                                             {"seconds", seconds},
+                                             {"note", report.note},
+                                             {"part", report.part},
+                                             {"files", std::move(files)}};
     std::cout << text(document) << "\n";
     return;
   }
   std::printf("%d levels, %s cells, mean edge %.4g, voxel %.4g\n", report.levels,
               grouped(report.cells).c_str(), report.meanEdge, report.voxelSize);
-  for (const BakedFile& file : report.files) {
-    std::printf("%s\n", file.path.c_str());
-    for (const VdbGridInfo& grid : file.grids) {
-      std::printf("  %s  %s%s, %s active voxels, %s %.4g to %.4g\n", grid.name.c_str(),
-                  grid.type.c_str(), grid.half ? " (half)" : "",
-                  grouped(static_cast<std::int64_t>(grid.activeVoxels)).c_str(),
-                  grid.vectorType.empty() ? "value" : "length", grid.min, grid.max);
-      if (grid.method != GridMethod::None) {
-        std::printf("    from %s%s%s%s\n", methodName(grid.method), shareOfSamples(grid).c_str(),
-                    grid.reasons.empty() ? "" : "; ", words(grid.reasons).c_str());
-      }
-      if (grid.certificate) printCertificate(*grid.certificate, "    ");
-    }
-  }
+  if (!report.part.empty()) std::printf("%s\n", report.part.c_str());
+  for (const BakedFile& file : report.files) cli::print(file);
   if (!report.note.empty()) std::printf("note: %s\n", report.note.c_str());
   std::printf("%.2f s\n", seconds);
 }
@@ -166,6 +129,7 @@ void printJson(const BakeForecast& forecast) {
   for (const PlannedFile& file : forecast.files) {
     nlohmann::ordered_json entry = {{"path", file.path}};
     if (file.frame) entry["frame"] = *file.frame;
+    if (file.skipped) entry["skipped"] = true;
     entry["grids"] = nlohmann::ordered_json::array();
     for (const BakePlan& plan : file.grids) entry["grids"].push_back(toJson(plan));
     files.push_back(std::move(entry));
@@ -175,7 +139,8 @@ void printJson(const BakeForecast& forecast) {
                      {"cells", std::llround(r.cells)},
                      {"voxel_size", r.voxelSize},
                      {"mean_edge", r.fineEdge},
-                     {"bytes", std::llround(r.bytes)},
+                     {"voxels", std::llround(r.voxels)},
+                     {"bytes", std::llround(r.bytes())},
                      {"memory", std::llround(forecast.memory)},
                      {"note", forecast.note},
                      {"files", std::move(files)}})
@@ -184,11 +149,12 @@ void printJson(const BakeForecast& forecast) {
 
 void print(const BakeForecast& forecast) {
   const ResolutionPlan& r = forecast.resolution;
-  std::printf("%d levels, about %s cells, mean edge %.4g, voxel %.4g\n", r.levels,
-              grouped(std::llround(r.cells)).c_str(), r.fineEdge, r.voxelSize);
-  std::printf("needs up to %.2g of %.2g GB of memory\n", r.bytes / 1e9, forecast.memory / 1e9);
+  std::printf("%d levels, about %s cells, mean edge %.4g, voxel %.4g, about %s voxels\n", r.levels,
+              grouped(std::llround(r.cells)).c_str(), r.fineEdge, r.voxelSize,
+              grouped(std::llround(r.voxels)).c_str());
+  std::printf("needs up to %.2g of %.2g GB of memory\n", r.bytes() / 1e9, forecast.memory / 1e9);
   for (const PlannedFile& file : forecast.files) {
-    std::printf("%s\n", file.path.c_str());
+    std::printf("%s%s\n", file.path.c_str(), file.skipped ? kSkipped : "");
     for (const BakePlan& plan : file.grids) {
       std::printf("  %s  from form %s, %s, %s boundary\n", plan.grid.c_str(), plan.form.c_str(),
                   name(plan.reconstruction), boundaryWord(plan.boundaryRule, plan.mode).c_str());
@@ -216,7 +182,9 @@ void run(Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   BakeOptions& options = arguments.options;
   options.levels = parseLevels(arguments.levels);
-  if (arguments.frames) options.frames = parseFrames(*arguments.frames);
+  if (arguments.frames) options.frames = readFrames(*arguments.frames);
+  if (arguments.shard) options.shard = parseShard(*arguments.shard);
+  if (!arguments.region.empty()) options.region = parseRegion(arguments.region);
   if (arguments.dryRun) return foresee(arguments);
   checkOutput(arguments.control, arguments.output);
   const ControlAsset asset = readAsset(arguments.control);
@@ -236,13 +204,13 @@ void addBoundary(CLI::App* command, BoundaryChoice* choice, bool methods) {
 #ifdef OCTETVDB_WITH_THESIS
   if (methods) help += "; for comparison, the thesis' methods: simple, projection, expansion";
 #endif
-  addChoice<BoundaryChoice>(command, "--boundary", choice, boundaryChoices(methods), help);
+  addChoice(command, "--boundary", choice, boundaryChoices(methods), help);
 }
 
 void addWallSurface(CLI::App* command, BoundaryRows* rows) {
-  addChoice<BoundaryRows>(command, "--wall-surface", rows, wallSurfaceChoices(),
-                          "smooth: fairer, and flows stay bounded beside it; loop: exactly Loop's "
-                          "surface, as other programs subdivide the boundary");
+  addChoice(command, "--wall-surface", rows, wallSurfaceChoices(),
+            "smooth: fairer, and flows stay bounded beside it; loop: exactly Loop's "
+            "surface, as other programs subdivide the boundary");
 }
 
 void addBake(CLI::App* program) {
@@ -254,7 +222,9 @@ void addBake(CLI::App* program) {
       ->add_option("CONTROL", arguments->control, "Control asset (*.octet.json, *.octet) or mesh")
       ->required();
   command
-      ->add_option("-o,--output", arguments->output, "The .vdb to write; name.####.vdb if animated")
+      ->add_option(
+          "-o,--output", arguments->output,
+          "The .vdb to write; name.####.vdb if animated (or name.@@@@.vdb, %04d, $F4, <frame>)")
       ->required();
   command
       ->add_option("--form", options.forms,
@@ -273,26 +243,34 @@ void addBake(CLI::App* program) {
       ->capture_default_str();
   addBoundary(command, &options.boundary, true);
   addWallSurface(command, &options.wallSurface);
-  addChoice<Sampling>(command, "--grid", &options.sampling,
-                      {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}},
-                      "Where a voxel's components are sampled");
-  addChoice<Reconstruction>(
-      command, "--reconstruction", &options.reconstruction,
-      {{"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}},
-      "limit: smooth, second order; whitney: Whitney forms on the finest level");
-  command->add_option("--target", options.target, "Conventions of the program that reads the grids")
-      ->option_text("openvdb|blender|houdini|arnold|renderman");
-  addChoice<BakeMethod>(command, "--method", &options.method,
-                        {{"auto", BakeMethod::Auto},
-                         {"conservative", BakeMethod::Conservative},
-                         {"samples", BakeMethod::Samples}},
-                        "conservative: vectors without discrete divergence (2-forms) or curl "
-                        "(1-forms), or an error; samples: of the field; auto: conservative where "
-                        "the form allows it and it costs no accuracy");
+  addChoice(command, "--grid", &options.sampling, samplingChoices(),
+            "Where a voxel's components are sampled");
+  addChoice(command, "--reconstruction", &options.reconstruction, reconstructionChoices(),
+            "limit: smooth, second order; whitney: Whitney forms on the finest level");
+  addChoice(command, "--target", &options.target, targetChoices(),
+            "Conventions of the program that reads the grids");
+  addChoice(command, "--method", &options.method, methodChoices(),
+            "conservative: vectors without discrete divergence (2-forms) or curl "
+            "(1-forms), or an error; samples: of the field; auto: conservative where "
+            "the form allows it and it costs no accuracy");
   command->add_flag("--half", options.half, "Store 16-bit floats");
   command->add_flag("--project", options.project,
                     "Replace 1- and 2-forms that are not closed by the nearest closed ones");
-  command->add_option("--frames", arguments->frames, "Frames A-B of an animated asset");
+  command->add_option(
+      "--frames", arguments->frames,
+      "Frames of an animated asset, such as 1-10, 1-10x2 or 1,3,7-9; all by default");
+  command->add_flag("--skip-existing", options.skipExisting,
+                    "Leave files that are complete and from the same asset and options");
+  auto* region = command
+                     ->add_option("--region", arguments->region,
+                                  "Bake only the leaves that this box meets, world units of the "
+                                  "asset: x0 y0 z0 x1 y1 z1")
+                     ->expected(6);
+  command
+      ->add_option("--shard", arguments->shard,
+                   "Bake only part I of N, of about equal work: I/N, from 1/N to N/N; octetvdb "
+                   "merge joins them")
+      ->excludes(region);
   command->add_option("--zeta", options.zeta, "Free weight of the octahedron's linear rule")
       ->capture_default_str();
   command->add_flag("--dry-run", arguments->dryRun,

@@ -22,7 +22,8 @@ nlohmann::ordered_json toJson(const Certificate& c) {
           {"energy", c.energy},
           {"outflow", c.outflow},
           {"throughflow", c.throughflow},
-          {"half", c.half}};
+          {"half", c.half},
+          {"partial", c.partial}};
 }
 
 void printCertificate(const Certificate& c, const char* indent) {
@@ -33,6 +34,7 @@ void printCertificate(const Certificate& c, const char* indent) {
       grouped(static_cast<std::int64_t>(c.insideVoxels)).c_str(),
       grouped(static_cast<std::int64_t>(c.activeVoxels)).c_str(), c.half ? "; 16-bit floats" : "",
       percent(c.freeVoxels, c.insideVoxels).c_str());
+  if (c.partial) std::printf("%sof this part, where it knows what is around a voxel\n", indent);
   std::printf("%scurl h/max|v|: max %.2g, rms %.2g\n", indent, c.maxCurl, c.rmsCurl);
   std::printf("%sspeed %.4g to %.4g, energy %.4g, outflow %.2g of %.2g through the border\n",
               indent, c.minSpeed, c.maxSpeed, c.energy, c.outflow, c.throughflow);

@@ -7,6 +7,9 @@
 #include <vector>
 
 #include <octet/converters/control_asset/refined_document.h>
+#include <octet/core/base/suggestion.h>
+
+#include "../choices.h"
 
 /// @file
 /// The subcommands of octetvdb: each adds itself to the program and runs when it was chosen.
@@ -19,6 +22,7 @@ void addBake(CLI::App* program);
 void addFill(CLI::App* program);
 void addFit(CLI::App* program);
 void addInfo(CLI::App* program);
+void addMerge(CLI::App* program);
 #ifdef OCTETVDB_WITH_PICTURES
 void addPreview(CLI::App* program);
 #endif
@@ -28,20 +32,21 @@ void addVerify(CLI::App* program);
 
 /// Adds an option that takes one of some names, in any case.
 template <typename T>
-void addChoice(CLI::App* command, const std::string& option, T* value,
-               const std::vector<std::pair<std::string, T>>& choices, const std::string& help) {
-  std::string names, alternatives;
+void addChoice(CLI::App* command, const std::string& option, T* value, const Choices<T>& choices,
+               const std::string& help) {
+  std::string alternatives;
   for (const auto& [name, choice] : choices) {
-    names += (names.empty() ? "" : ", ") + name;
     alternatives += (alternatives.empty() ? "" : "|") + name;
   }
+  const std::vector<std::string> names = namesOf(choices);
   const auto choose = [=](const std::string& text) {
     for (const auto& [name, choice] : choices) {
       if (CLI::detail::to_lower(text) != name) continue;
       *value = choice;
       return;
     }
-    throw CLI::ValidationError(option, "\"" + text + "\" is none of " + names);
+    throw CLI::ValidationError(
+        option, "\"" + text + "\" is none of " + listOf(names) + didYouMean(text, names));
   };
   command->add_option_function<std::string>(option, choose, help)->option_text(alternatives);
 }

@@ -2,65 +2,26 @@
 #include "console.h"
 
 #include <cctype>
-#include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include <unistd.h>
-
 #include <octet/converters/gmsh/gmsh_import.h>
 #include <octet/converters/io/atomic_file.h>
+#include <octet/converters/io/frames.h>
 #include <octet/core/base/error.h>
+
+#include "progress.h"
 
 namespace octet::cli {
 namespace {
 
 volatile std::sig_atomic_t interrupt = 0;
-bool lineShown = false;  // is there a progress line on the terminal?
 
 extern "C" void onInterrupt(int signal) {
   interrupt = signal;
   std::signal(signal, SIG_DFL);  // a second one ends the program at once
 }
-
-/// One line on the terminal, overwritten as work goes on.
-class ProgressLine {
- public:
-  void report(const ProgressReport& report) {
-    using namespace std::chrono;
-    if (report.stage.empty()) return;
-    const auto now = steady_clock::now();
-    if (report.stage != stage_) {
-      stage_ = report.stage;
-      started_ = now;
-    }
-    const bool finished = report.done == report.total && report.total > 0;
-    if (!finished && now - shown_ < milliseconds(100) && report.done > 0) return;
-    shown_ = now;
-    const double seconds = duration<double>(now - started_).count();
-    const double rate = seconds > 0 ? static_cast<double>(report.done) / seconds : 0;
-    std::fprintf(stderr, "\r\033[K%s", report.stage.c_str());
-    if (report.total > 0 && report.done > 0) {
-      std::fprintf(stderr, "  %3.0f %%",
-                   100.0 * static_cast<double>(report.done) / static_cast<double>(report.total));
-    }
-    if (rate > 0) std::fprintf(stderr, "  %.3g %s/s", rate, report.unit);
-    if (rate > 0 && report.total > report.done) {
-      const double left = static_cast<double>(report.total - report.done) / rate;
-      std::fprintf(stderr, "  %d:%02d left", static_cast<int>(left) / 60,
-                   static_cast<int>(left) % 60);
-    }
-    std::fflush(stderr);
-    lineShown = true;
-    if (finished) clearProgress();
-  }
-
- private:
-  std::string stage_;
-  std::chrono::steady_clock::time_point started_, shown_;
-};
 
 }  // namespace
 
@@ -70,22 +31,11 @@ void watchForInterrupt() {
 }
 int interruptSignal() { return interrupt; }
 
-void clearProgress() {
-  if (lineShown) std::fprintf(stderr, "\r\033[K");
-  lineShown = false;
-}
-
 Context consoleContext() {
   ContextParts parts;
   parts.stop = [] { return interrupt != 0; };
   parts.memoryLimit = memoryLimit();
-  if (::isatty(STDERR_FILENO)) {
-    const auto line = std::make_shared<ProgressLine>();
-    parts.progress = [line](const ProgressReport& report) {
-      line->report(report);
-      return true;
-    };
-  }
+  parts.progress = progressCallback();
   return Context(std::move(parts));
 }
 
@@ -98,13 +48,33 @@ ControlAsset readAsset(const std::string& path) {
   return readGmshMesh(path);
 }
 
-void checkOutput(const std::string& control, const std::string& output) {
+void checkOutput(const std::string& input, const std::string& output) {
   if (output.empty()) throw InputError("--output", "is empty");
   std::error_code absent;
-  if (std::filesystem::equivalent(control, output, absent)) {
-    throw InputError("--output", "is the control asset itself");
+  if (std::filesystem::equivalent(input, output, absent)) {
+    throw InputError("--output", "is the input itself");
   }
   const AtomicFile trial(output);
+}
+
+void checkSingleOutput(const std::string& control, const std::string& output) {
+  checkOutput(control, outputPath(output, std::nullopt));
+}
+
+std::string outputPath(const std::string& output, std::optional<int> frame) {
+  try {
+    return outputAt(output, frame);
+  } catch (const InputError& e) {
+    throw InputError("--output", e.reason());
+  }
+}
+
+std::vector<int> readFrames(const std::string& text) {
+  try {
+    return parseFrames(text);
+  } catch (const InputError& e) {
+    throw InputError("--frames", e.reason());
+  }
 }
 
 std::string text(const nlohmann::ordered_json& document) {

@@ -2,18 +2,18 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <octet/converters/control_asset/control_asset.h>
 #include <octet/core/base/context.h>
 
 namespace octet::cli {
 
-/// What a command's long calls are told: progress with rate and time left goes to stderr, when that
-/// is a terminal; Ctrl-C stops them; memory is what this process may use.
+/// What a command's long calls are told: progress goes to stderr (progress.h); Ctrl-C stops them;
+/// memory is what this process may use.
 Context consoleContext();
-/// Wipes the progress line, when there is one, before something else is printed.
-void clearProgress();
 
 /// From now on Ctrl-C, or the SIGTERM of a farm, stops the work that polls; a second one
 /// ends the program.
@@ -25,7 +25,16 @@ int interruptSignal();
 ControlAsset readAsset(const std::string& path);
 
 /// Refuses, before work is put into it, an output that cannot be written.
-void checkOutput(const std::string& control, const std::string& output);
+void checkOutput(const std::string& input, const std::string& output);
+
+/// The same for a file that holds all frames, or none: its name has no place for one.
+void checkSingleOutput(const std::string& control, const std::string& output);
+
+/// The name of the one file that a command writes for a frame, or for none.
+std::string outputPath(const std::string& output, std::optional<int> frame);
+
+/// Reads --frames. @throws InputError
+std::vector<int> readFrames(const std::string& text);
 
 /// Indented JSON; text that is not UTF-8, such as a file's name, is made so.
 std::string text(const nlohmann::ordered_json& document);

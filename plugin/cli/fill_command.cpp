@@ -132,7 +132,7 @@ void checkArguments(const Arguments& arguments) {
   if (!(arguments.fill.depth >= 0.1 && arguments.fill.depth <= 2)) {
     throw InputError("--depth", "is not between 0.1 and 2");
   }
-  checkOutput(arguments.input, arguments.output);
+  checkSingleOutput(arguments.input, arguments.output);
 }
 
 void run(Arguments& arguments) {

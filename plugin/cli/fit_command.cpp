@@ -127,7 +127,7 @@ void run(Arguments& arguments) {
   options.kind = arguments.curlFree ? FitKind::CurlFree
                  : arguments.free   ? FitKind::Free
                                     : FitKind::DivergenceFree;
-  checkOutput(arguments.cage, arguments.output);
+  checkSingleOutput(arguments.cage, arguments.output);
   if (arguments.potential == arguments.name) {
     throw InputError("--potential", "has the name of the field itself");
   }

@@ -81,7 +81,7 @@ Json toJson(const std::vector<VdbMetadata>& metadata) {
 
 Json describeVdb(const std::string& path) {
   std::vector<VdbMetadata> fileMetadata;
-  const auto grids = readVdbInfo(path, &fileMetadata);
+  const auto grids = readVdbInfo(path, &fileMetadata, consoleContext());
   Json result = {{"kind", "OpenVDB file"}, {"metadata", toJson(fileMetadata)}};
   result["grids"] = Json::array();
   for (const VdbGridInfo& grid : grids) {

@@ -148,6 +148,7 @@ void run(const CLI::App& command, Arguments& arguments) {
   parseSlice(arguments.slice, &picture);
   if (!arguments.camera.empty()) parseCamera(arguments.camera, &picture.camera);
   if (!arguments.range.empty()) parseRange(arguments.range, &picture);
+  arguments.output = outputPath(arguments.output, arguments.frame);
   const std::string extension = extensionOf(arguments.output);
   const bool exr = extension == ".exr";
   if (!exr && extension != ".png") {
@@ -175,9 +176,8 @@ void addSubjectOptions(CLI::App* command, const std::shared_ptr<Arguments>& argu
       ->capture_default_str();
   addBoundary(command, &asset.boundary, true);
   addWallSurface(command, &asset.wallSurface);
-  addChoice<Reconstruction>(
-      command, "--reconstruction", &asset.reconstruction,
-      {{"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}},
+  addChoice(
+      command, "--reconstruction", &asset.reconstruction, reconstructionChoices(),
       "limit: smooth, second order; whitney: Whitney forms on the finest level, in its own mesh");
   command->add_option("--frame", arguments->frame,
                       "Frame of an animated asset; the first by default");

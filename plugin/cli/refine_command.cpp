@@ -88,6 +88,7 @@ void checkVirtualLayer(const Arguments& arguments) {
 void run(Arguments& arguments) {
   const RefinerOptions& options = arguments.options;
   const Context context = consoleContext();
+  arguments.output = outputPath(arguments.output, arguments.frame);
   checkOutput(arguments.control, arguments.output);
 #ifdef OCTETVDB_WITH_THESIS
   checkVirtualLayer(arguments);

@@ -18,6 +18,7 @@ namespace {
 struct Arguments {
   std::string cage, output;
   std::vector<std::string> sources;
+  std::optional<std::string> frames;
   double framesPerSecond = 0;
   bool json = false, divergenceFree = false, curlFree = false;
   SampleOptions options;
@@ -67,7 +68,8 @@ void printJson(const SampleReport& report, std::uint64_t bytes, double seconds) 
 void run(Arguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   SampleOptions& options = arguments.options;
-  checkOutput(arguments.cage, arguments.output);
+  if (arguments.frames) options.frames = readFrames(*arguments.frames);
+  checkSingleOutput(arguments.cage, arguments.output);
   if (arguments.divergenceFree && options.degree != 2) {
     throw InputError("--divergence-free", "is for fluxes, --degree 2");
   }
@@ -92,17 +94,12 @@ void run(Arguments& arguments) {
 
 /// --velocity-unit
 void addUnit(CLI::App* command, VelocityReadOptions* read) {
-  using Unit = std::pair<bool, bool>;  // voxels, per frame
-  const auto chosen = std::make_shared<Unit>(false, false);
-  addChoice<Unit>(command, "--velocity-unit", chosen.get(),
-                  {{"units/s", {false, false}},
-                   {"units/frame", {false, true}},
-                   {"voxels/s", {true, false}},
-                   {"voxels/frame", {true, true}}},
-                  "What the grid's numbers mean; world units per second by default");
+  const auto chosen = std::make_shared<VelocityUnit>();
+  addChoice(command, "--velocity-unit", chosen.get(), velocityUnitChoices(),
+            "What the grid's numbers mean; world units per second by default");
   command->parse_complete_callback([read, chosen] {
-    read->voxels = chosen->first;
-    read->perFrame = chosen->second;
+    read->voxels = chosen->voxels;
+    read->perFrame = chosen->perFrame;
   });
 }
 
@@ -117,12 +114,14 @@ void addSample(CLI::App* program) {
       ->required();
   command
       ->add_option("VELOCITY", arguments->sources,
-                   "Velocity .vdb; several, numbered, become an animation")
+                   "Velocity .vdb; several, numbered, become an animation, as does vel.####.vdb")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
                    "Control asset to write: the cage with the field")
       ->required();
+  command->add_option("--frames", arguments->frames,
+                      "Frames of vel.####.vdb, such as 1-10x2; all that are there by default");
   command->add_option("--grid", options.read.grid,
                       "Vector grid, or float triple NAME.x, NAME_x, NAMEX; velocity, vel or v by "
                       "default, or the only vector grid");
@@ -132,14 +131,10 @@ void addSample(CLI::App* program) {
   command->add_flag("--divergence-free", arguments->divergenceFree,
                     "Take the nearest field without divergence");
   command->add_flag("--curl-free", arguments->curlFree, "Take the nearest field without curl");
-  addChoice<BoundaryRule>(command, "--boundary-flux", &options.boundary,
-                          {{"free", BoundaryRule::Free},
-                           {"keep", BoundaryRule::Keep},
-                           {"zero", BoundaryRule::Zero},
-                           {"obstacles", BoundaryRule::ZeroInside}},
-                          "What these do with coefficients on the boundary; obstacles: 0 on the "
-                          "walls of cavities, then "
-                          "bake with --boundary walls");
+  addChoice(command, "--boundary-flux", &options.boundary, boundaryFluxChoices(),
+            "What these do with coefficients on the boundary; obstacles: 0 on the "
+            "walls of cavities, then "
+            "bake with --boundary walls");
   command
       ->add_option("--corrections", options.corrections,
                    "How often coefficients are corrected by what the smooth limit lacks")

@@ -3,12 +3,15 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include <octet/core/base/error.h>
 
 #include "certificate_text.h"
 #include "commands.h"
 #include "console.h"
+#include "failure.h"
 
 namespace octet::cli {
 namespace {
@@ -19,19 +22,20 @@ struct Arguments {
   bool json = false;
 };
 
-void print(const Arguments& arguments, const std::vector<VerifiedGrid>& grids) {
-  if (arguments.json) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const VerifiedGrid& grid : grids) {
-      list.push_back({{"name", grid.name},
-                      {"type", grid.type},
-                      {"class", grid.gridClass},
-                      {"voxel_size", grid.voxelSize},
-                      {"certificate", toJson(grid.certificate)}});
-    }
-    std::cout << text({{"path", arguments.path}, {"grids", std::move(list)}}) << "\n";
-    return;
+nlohmann::ordered_json documentOf(const Arguments& arguments,
+                                  const std::vector<VerifiedGrid>& grids) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const VerifiedGrid& grid : grids) {
+    list.push_back({{"name", grid.name},
+                    {"type", grid.type},
+                    {"class", grid.gridClass},
+                    {"voxel_size", grid.voxelSize},
+                    {"certificate", cli::toJson(grid.certificate)}});
   }
+  return {{"path", arguments.path}, {"grids", std::move(list)}};
+}
+
+void print(const std::vector<VerifiedGrid>& grids) {
   for (const VerifiedGrid& grid : grids) {
     std::printf("%s  %s, %s, voxel %.4g\n", grid.name.c_str(), grid.type.c_str(),
                 grid.gridClass.c_str(), grid.voxelSize);
@@ -39,19 +43,34 @@ void print(const Arguments& arguments, const std::vector<VerifiedGrid>& grids) {
   }
 }
 
-void run(const Arguments& arguments) {
-  const std::vector<VerifiedGrid> grids =
-      verifyVdb(arguments.path, arguments.grid, consoleContext());
-  print(arguments, grids);
-  if (!arguments.maxDivergence) return;
+/// The first grid that does not keep the limit.
+std::optional<Error> failureOfLimit(const Arguments& arguments,
+                                    const std::vector<VerifiedGrid>& grids) {
+  if (!arguments.maxDivergence) return std::nullopt;
   for (const VerifiedGrid& grid : grids) {
     // Not "greater": what is no number is no pass.
     if (grid.certificate.maxDivergence <= *arguments.maxDivergence) continue;
     char reason[120];
     std::snprintf(reason, sizeof reason, "the largest divergence, %.3g, is above %.3g",
                   grid.certificate.maxDivergence, *arguments.maxDivergence);
-    throw Error(arguments.path, grid.name, reason);
+    return Error(arguments.path, grid.name, reason);
   }
+  return std::nullopt;
+}
+
+void run(const Arguments& arguments) {
+  const std::vector<VerifiedGrid> grids =
+      verifyVdb(arguments.path, arguments.grid, consoleContext());
+  const std::optional<Error> failure = failureOfLimit(arguments, grids);
+  if (!arguments.json) {
+    print(grids);
+    if (failure) throw *failure;
+    return;
+  }
+  nlohmann::ordered_json document = documentOf(arguments, grids);
+  if (failure) document["error"] = toJson(failureOf(*failure));
+  std::cout << text(document) << "\n";
+  if (failure) throw AlreadyTold{tell(failureOf(*failure), false)};
 }
 
 std::string checkLimit(const std::string& text) {

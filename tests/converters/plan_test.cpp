@@ -7,11 +7,13 @@
 #include <octet/core/base/memory_budget.h>
 #include <octet/core/raster/flux_rasterizer.h>
 
+#include "tests/support/meshes.h"
+
 namespace octet {
 namespace {
 
 /// A mesh whose level 1 has 1000 cells with edges of 0.5, in a box of side 8.
-constexpr MeshFacts kMesh{1.1, 8, 0.5, 200, 0};
+const MeshFacts kMesh{1.1, 8, 0.5, 200, 0};
 
 BakeOptions ofResolution(int resolution) {
   BakeOptions options;
@@ -71,8 +73,69 @@ TEST(ResolutionPlan, ForeseesCellsAndMemory) {
   EXPECT_EQ(plan.levels, 3);
   EXPECT_EQ(plan.cells, 35200 + 16800);
   EXPECT_EQ(plan.fineEdge, 0.125);
-  EXPECT_NO_THROW(checkMemory(plan, plan.bytes));
-  EXPECT_THROW(checkMemory(plan, plan.bytes - 1), MemoryError);
+  EXPECT_EQ(plan.meshBytes, 600 * plan.cells);
+  EXPECT_NO_THROW(checkMemory(plan, options, kMesh, plan.bytes()));
+  EXPECT_THROW(checkMemory(plan, options, kMesh, plan.bytes() - 1), MemoryError);
+}
+
+/// A box of sides 1, 2 and 4, with a grid of numbers and two of vectors.
+MeshFacts boxOfGrids() {
+  ControlMeshInput input = testing::creasedBox(1, 0, 1);
+  for (Vec3& x : input.vertices) x = x.cwiseProduct(Vec3(1, 2, 4));
+  const ControlMesh mesh = ControlMesh::build(std::move(input));
+  MeshFacts facts{1, 4, 1, 6, 0};
+  facts.domain = DomainShape(*mesh.complex(), mesh.positions(), facts.turn);
+  facts.scalars = 1;
+  facts.vectors = 2;
+  return facts;
+}
+
+TEST(ResolutionPlan, ForeseesVoxelsAndGrids) {
+  const MeshFacts facts = boxOfGrids();
+  BakeOptions options = ofResolution(400);
+  options.levels = 0;
+  const ResolutionPlan plan = planResolution(options, facts);
+  EXPECT_NEAR(plan.voxels, 100.0 * 200 * 400, 1);
+  // Leaves that the box meets: one number and two vectors of four bytes each, and a little more.
+  const double leaves = (100 / 8.0 + 1) * (200 / 8.0 + 1) * (400 / 8.0 + 1);
+  const double values = 512 * 4 * (1 + 2 * 3);
+  EXPECT_LT(plan.gridBytes, 1.05 * leaves * values);
+  EXPECT_GT(plan.gridBytes, plan.voxels * 4 * (1 + 2 * 3));
+  BakeOptions part = options;
+  part.shard = Shard{1, 4};
+  EXPECT_NEAR(planResolution(part, facts).gridBytes, 0.3 * plan.gridBytes, 1e-6 * plan.gridBytes);
+  part.shard.reset();
+  part.region = Box{facts.domain.box().min, facts.domain.box().min + Vec3(0.1, 0.1, 0.1)};
+  EXPECT_LT(planResolution(part, facts).gridBytes, 0.02 * plan.gridBytes);
+}
+
+TEST(ResolutionPlan, TheLargestThatFitsIsNamed) {
+  const MeshFacts facts = boxOfGrids();
+  const double memory = 1e9;
+  for (const std::optional<int> levels : {std::optional<int>(2), std::optional<int>()}) {
+    BakeOptions options = ofResolution(5000);
+    options.levels = levels;
+    const int most = largestResolution(options, facts, memory);
+    BakeOptions fitting = options;
+    fitting.resolution = most;
+    EXPECT_NO_THROW(checkMemory(planResolution(fitting, facts), fitting, facts, memory));
+    ++fitting.resolution;
+    EXPECT_THROW(checkMemory(planResolution(fitting, facts), fitting, facts, memory), MemoryError);
+    try {
+      checkMemory(planResolution(options, facts), options, facts, memory);
+      FAIL();
+    } catch (const MemoryError& e) {
+      EXPECT_NE(
+          std::string(e.what()).find("largest resolution that fits is " + std::to_string(most)),
+          std::string::npos)
+          << e.what();
+      EXPECT_EQ(e.place(), "resolution");
+      EXPECT_EQ(e.available(), memory);
+    }
+  }
+  BakeOptions deep = ofResolution(10);
+  deep.levels = 9;
+  EXPECT_EQ(largestResolution(deep, facts, memory), 0);
 }
 
 TEST(ResolutionPlan, RefusesLevelsThatNobodyHas) {

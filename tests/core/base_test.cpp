@@ -7,9 +7,24 @@
 #include <gtest/gtest.h>
 
 #include <octet/core/base/disjoint_sets.h>
+#include <octet/core/base/suggestion.h>
 
 namespace octet {
 namespace {
+
+TEST(Suggestion, FindsSlipsOfThePen) {
+  const std::vector<std::string> names = {"velocity", "potential", "pressure", "vel"};
+  for (const char* slip : {"velocty", "Velocity", "veloctiy", "velocityy", "elocity"}) {
+    EXPECT_EQ(nearestName(slip, names), "velocity") << slip;
+  }
+  EXPECT_EQ(nearestName("potental", names), "potential");
+  for (const char* other : {"vorticity", "uv", "x", "", "mass", "density"}) {
+    EXPECT_EQ(nearestName(other, names), "") << other;
+  }
+  EXPECT_EQ(didYouMean("velocty", names), "; did you mean \"velocity\"?");
+  EXPECT_EQ(didYouMean("mass", names), "");
+  EXPECT_EQ(listOf({"a", "b"}), "a, b");
+}
 
 TEST(DisjointSets, NumbersStartAlone) {
   DisjointSets sets(4);

@@ -94,8 +94,19 @@ class BadUsage(Case):
                 ("not a positive number", *bake, "--voxel-size", "nan"),
                 ("not a positive number", *bake, "--voxel-size", "inf"),
                 ("not a positive number", *bake, "--voxel-size", ""),
-                ("2^30 voxels", *bake, "--voxel-size", "1e-12", "--levels", "0"),
-                ("million cells", *bake, "--voxel-size", "1e-9"),
+                ("not I/N", *small, "--shard", "2"),
+                ("not I/N", *small, "--shard", "1/2/3"),
+                ("the first of N is 1/N", *small, "--shard", "0/3"),
+                ("the first of N is 1/N", *small, "--shard", "4/3"),
+                ("excludes", *small, "--shard", "1/3", "--region", "0", "0", "0", "1", "1", "1"),
+                ("6 required", *small, "--region", "0", "0", "0", "1", "1"),
+                ("region: is empty", *small, "--region", "0", "0", "0", "1", "1", "-1"),
+                ("outside the domain", *small, "--region", "90", "90", "90", "91", "91", "91"),
+                ("name it out.vdb", "bake", BOX, "-o", self.path("out.abc"), "--resolution", "8"),
+                ("name it out.vdb", "bake", BOX, "-o", self.path("out.nvdb"), "--resolution", "8"),
+                ("does not end in .vdb", "bake", BOX, "-o", self.path("out"), "--resolution", "8"),
+                ("name it out.vdb", "merge", out, "-o", self.path("out.vdbx")),
+                ("PART is required", "merge", "-o", out),
                 ("neither auto nor a number", *small, "--levels", "many"),
                 ("neither auto nor a number", *small, "--levels", "-1"),
                 ("neither auto nor a number", *small, "--levels", "13"),
@@ -105,14 +116,19 @@ class BadUsage(Case):
                 ("none of openvdb, blender, houdini, arnold, renderman", *small, "--target", "maya"),
                 ("there is no form \"vorticity\"; the asset has", *small, "--form", "vorticity"),
                 ("not animated", *small, "--frames", "1-3"),
-                ("neither a frame nor a range", *small, "--frames", "one"),
-                ("neither a frame nor a range", *small, "--frames", "1-"),
+                ("not a list of frames", *small, "--frames", "one"),
+                ("not a list of frames", *small, "--frames", "1-"),
+                ("did you mean \"--resolution\"?", *bake, "--resolutoin", "8"),
+                ("did you mean \"bake\"?", "backe"),
+                ("did you mean \"velocity\"?", *small, "--form", "velocty"),
+                ("did you mean \"staggered\"?", *small, "--grid", "stagered"),
+                ("did you mean \"houdini\"?", *small, "--target", "hudini"),
                 ("--zeta", *small, "--zeta", "five"),
                 ("zeta", *small, "--zeta", "nan"),
                 ("--threads", *small, "--threads", "0"),
                 ("--threads", "--threads", "two", *small),
                 ("is empty", "bake", BOX, "-o", "", "--resolution", "8"),
-                ("is the control asset itself", "bake", BOX, "-o", BOX, "--resolution", "8"),
+                ("is the input itself", "bake", BOX, "-o", BOX, "--resolution", "8"),
                 ("levels", "refine", BOX, "-o", out),
                 ("levels", "refine", BOX, "-o", out, "--levels", "13"),
                 ("more than 100,000,000", "refine", BOX, "-o", out, "--levels", "12"),
@@ -123,11 +139,22 @@ class BadUsage(Case):
             with self.subTest(arguments=arguments):
                 self.fail_with(2, reason, *arguments)
 
+    def test_more_memory_than_there_is_has_a_code_of_its_own(self):
+        bake = ("bake", BOX, "-o", self.path("out.vdb"))
+        for reason, *options in (
+                ("million cells", "--voxel-size", "1e-9"),
+                ("voxel size: about ", "--voxel-size", "1e-12", "--levels", "0"),
+                ("largest resolution that fits is ", "--resolution", "20000", "--levels", "0")):
+            with self.subTest(options=options):
+                self.fail_with(33, reason, *bake, *options)
+
     def test_frames_of_an_animated_asset(self):
         bake = ("bake", GOOD, "-o", self.path("out.vdb"), "--resolution", "6", "--frames")
         self.fail_with(2, "has frames 1-4", *bake, "0-2")
         self.fail_with(2, "has frames 1-4", *bake, "3-5")
         self.fail_with(2, "the first is after the last", *bake, "3-2")
+        self.fail_with(2, "has two places", "bake", GOOD, "-o", self.path("a.##.##.vdb"),
+                       "--resolution", "6")
         self.fail_with(2, "has frames 1-4", "refine", GOOD, "-o", self.path("out.json"), "--levels",
                        "1", "--frame", "9")
 
@@ -220,7 +247,7 @@ class BadOutput(Case):
                                 ("refine", ("refine", BOX, "--levels", "2"))):
             result = subprocess.run(
                 ["unshare", "-rm", "sh", "-c", script, "sh", self.path("disk"), OCTETVDB.path,
-                 *arguments, "-o", self.path("disk/out.vdb")], capture_output=True, text=True,
+                 "--progress", "none", *arguments, "-o", self.path("disk/out.vdb")], capture_output=True, text=True,
                 env={**os.environ, "DISK": self.path("disk")})
             if result.returncode == 77 or "unshare" in result.stderr:
                 self.skipTest("may not mount a file system: " + result.stderr.strip())
@@ -469,7 +496,7 @@ class Terminal:
 
     def __init__(self, *arguments):
         self.master, slave = pty.openpty()
-        self.process = OCTETVDB.start(*arguments, stderr=slave)
+        self.process = OCTETVDB.start(*arguments, progress="auto", stderr=slave)
         os.close(slave)
         self.text = ""
 
@@ -506,10 +533,6 @@ class Progress(Case):
         # One line, overwritten, and wiped at the end.
         self.assertNotIn("\n", terminal.text)
         self.assertTrue(terminal.text.endswith("\r\x1b[K"))
-
-    def test_not_elsewhere(self):
-        result = OCTETVDB.run("bake", BOX, "-o", self.path("a.vdb"), "--resolution", "30")
-        self.assertEqual(result.stderr, "")
 
 
 class Interrupted(Case):

@@ -18,15 +18,21 @@ class Command:
     def __init__(self, path):
         self.path = os.path.abspath(path)
 
-    def run(self, *arguments, **options):
+    @staticmethod
+    def _quietly(arguments, progress):
+        """Work that takes longer on a loaded machine would tell of its progress on stderr."""
+        told = ["--progress", progress] if progress and "--progress" not in arguments else []
+        return [*told, *map(str, arguments)]
+
+    def run(self, *arguments, progress="none", **options):
         options = {"capture_output": True, "text": True, "errors": "replace",
                    "timeout": TIME_LIMIT, "stdin": subprocess.DEVNULL, **options}
-        return subprocess.run([self.path, *map(str, arguments)], **options)
+        return subprocess.run([self.path, *self._quietly(arguments, progress)], **options)
 
-    def start(self, *arguments, **options):
+    def start(self, *arguments, progress="none", **options):
         options = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE,
                    "stderr": subprocess.PIPE, "text": True, **options}
-        return subprocess.Popen([self.path, *map(str, arguments)], **options)
+        return subprocess.Popen([self.path, *self._quietly(arguments, progress)], **options)
 
     @property
     def sanitized(self):

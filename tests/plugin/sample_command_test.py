@@ -9,9 +9,12 @@ those of the function, whatever the grid.
 import json
 import math
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy as np
@@ -228,6 +231,40 @@ class Sample(unittest.TestCase):
         source = self.write(grid_of(velocity, PLAIN, COUNT))
         _, asset = self.run_sample(source)
         self.assertEqual([f["name"] for f in asset["forms"]], ["height", "velocity"])
+
+    def tile(self):
+        """One value in 1024^3 voxels around the cage, in a file of some kilobytes."""
+        grid = vdb.Vec3SGrid()
+        grid.fill((0, 0, 0), (1023,) * 3, (1.0, 0.5, 0.25), True)
+        grid.name = "velocity"
+        step = 2.0**-8
+        grid.transform = vdb.createLinearTransform(
+            [[step, 0, 0, 0], [0, step, 0, 0], [0, 0, step, 0], [-1, -1, -1, 1]])
+        return self.write(grid)
+
+    def test_a_tile_is_read_as_one(self):
+        source = self.tile()
+        small = oa.box((1, 1, 1), (0.5, 0.5, 0.5))
+        oa.write(self.path("cage.octet.json"), "cage", small, [])
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        report, _ = self.run_sample(source, "--compare", "100000")
+        self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, 2)
+        frame = report["frames"][0]
+        self.assertEqual(frame["active_voxels"], 1024**3)
+        self.assertAlmostEqual(frame["speed"], math.sqrt(1.3125), places=6)
+        self.assertLess(frame["error"], 1e-6)
+
+    def test_sigterm_ends_it_soon(self):
+        process = subprocess.Popen(
+            [OCTETVDB, "sample", self.path("cage.octet.json"), self.tile(), "-o",
+             self.path("out.octet.json")], stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        process.send_signal(signal.SIGTERM)
+        sent = time.monotonic()
+        _, err = process.communicate(timeout=60)
+        self.assertLess(time.monotonic() - sent, 2)
+        self.assertEqual((process.returncode, err), (128 + signal.SIGTERM, "octetvdb: cancelled\n"))
+        self.assertFalse(os.path.exists(self.path("out.octet.json")))
 
     def test_bad_input_is_refused(self):
         good = self.write(grid_of(velocity, PLAIN, COUNT))

@@ -8,6 +8,7 @@ import glob
 import importlib.util
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -121,6 +122,32 @@ class Verify(unittest.TestCase):
             self.assertAlmostEqual(found["speed_max"], fastest, delta=1e-5)
             # Values at the border stand for the faces there.
             self.assertAlmostEqual(found["outflow"], 16 * (1.75 + 0.875 + 0) + 0, delta=1e-4)
+
+    def write_tile(self, path, triple):
+        """One value in 1024^3 voxels, in a file of some kilobytes."""
+        value = (1.0, 0.5, 0.25)
+        grids = [vdb.FloatGrid() for _ in range(3)] if triple else [vdb.Vec3SGrid()]
+        for axis, grid in enumerate(grids):
+            grid.fill((0, 0, 0), (1023,) * 3, value[axis] if triple else value, True)
+            grid.name = f"vel.{'xyz'[axis]}" if triple else "vel"
+            grid.transform = vdb.createLinearTransform(2.0**-10)
+        vdb.write(path, grids=grids)
+
+    def test_a_tile_costs_no_more_than_its_border(self):
+        path = self.path("tile.vdb")
+        for triple in (False, True):
+            self.write_tile(path, triple)
+            self.assertLess(os.path.getsize(path), 30000)
+            before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+            found = self.certificates(path)["vel"]
+            self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, 1)
+            self.assertEqual(found["active_voxels"], 1024**3)
+            self.assertEqual(found["inside_voxels"], 1022**3)
+            self.assertEqual(found["divergence_free_voxels"], 1022**3)
+            self.assertEqual(found["divergence_max"], 0)
+            self.assertEqual(found["outflow"], 0)
+            self.assertAlmostEqual(found["throughflow"], 2 * 1.75)
+            self.assertAlmostEqual(found["energy"], (1 + 0.25 + 0.0625) / 2)
 
     @unittest.skipUnless(shutil.which("blender"), "needs blender")
     def test_mantaflow(self):

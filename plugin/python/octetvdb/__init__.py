@@ -24,8 +24,8 @@ from ._octetvdb import (BakedFile, BakeReport, CageQuality, Cancelled, Certifica
                         GuideVector, InputError, IoError, MemoryError, PointSource, Refiner,
                         RigidRotation, SampledFrame, ThreadLimit, UniformFlow, VerifiedGrid, VortexLine,
                         VortexRing, __version__, bake, box_cage, cage_quality, fill_surface,
-                        fill_tetrahedra, integrate, nearest_closed, read_grid_info,
-                        sample_velocity, spaced_points, streamlines, verify)
+                        fill_tetrahedra, integrate, merge, nearest_closed, read_grid_info,
+                        sample_velocity, spaced_points, streamlines, targets, verify)
 from ._meshio import from_meshio, to_meshio
 from ._preview import preview
 
@@ -35,6 +35,6 @@ __all__ = ["BakedFile", "BakeReport", "CageQuality", "Cancelled", "Certificate",
            "GuideVector", "InputError", "IoError", "MemoryError", "PointSource", "Refiner",
            "RigidRotation", "SampledFrame", "ThreadLimit", "UniformFlow", "VerifiedGrid", "VortexLine",
            "VortexRing", "__version__", "bake", "box_cage", "cage_quality", "fill_surface",
-           "fill_tetrahedra", "from_meshio", "integrate", "nearest_closed", "preview",
-           "read_grid_info", "sample_velocity", "spaced_points", "streamlines", "to_meshio",
-           "verify"]
+           "fill_tetrahedra", "from_meshio", "integrate", "merge", "nearest_closed", "preview",
+           "read_grid_info", "sample_velocity", "spaced_points", "streamlines", "targets",
+           "to_meshio", "verify"]

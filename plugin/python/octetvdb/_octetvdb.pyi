@@ -15,6 +15,7 @@ _Signs = NDArray[np.int8]
 _Progress = Callable[[str, int, int, str], bool | None] | None
 
 __version__: str
+targets: tuple[str, ...]
 
 class Error(Exception):
     file: str
@@ -257,6 +258,8 @@ class Certificate:
     def throughflow(self) -> float: ...
     @property
     def half(self) -> bool: ...
+    @property
+    def partial(self) -> bool: ...
 
 class VerifiedGrid:
     @property
@@ -279,6 +282,8 @@ class BakedFile:
     def frame(self) -> int | None: ...
     @property
     def grids(self) -> list[GridInfo]: ...
+    @property
+    def skipped(self) -> bool: ...
 
 class BakeReport:
     @property
@@ -291,6 +296,8 @@ class BakeReport:
     def mean_edge(self) -> float: ...
     @property
     def note(self) -> str: ...
+    @property
+    def part(self) -> str: ...
     @property
     def files(self) -> list[BakedFile]: ...
 
@@ -311,10 +318,14 @@ def bake(
     half: bool = ...,
     project: bool = ...,
     method: str = ...,
-    frames: tuple[int, int] | None = ...,
+    frames: str | Sequence[int] | None = ...,
+    skip_existing: bool = ...,
+    region: Sequence[float] | None = ...,
+    shard: tuple[int, int] | None = ...,
     zeta: float = ...,
     progress: _Progress = ...,
 ) -> BakeReport: ...
+def merge(parts: Sequence[str], path: str, *, progress: _Progress = ...) -> BakedFile: ...
 def read_grid_info(path: str) -> list[GridInfo]: ...
 
 class CageQuality:

@@ -15,7 +15,6 @@ namespace {
 
 /// What control assets hold at most (control_asset.cpp): grids have 32-bit floats.
 constexpr double kLargestValue = 1e30;
-constexpr int kLastFrame = 9999999;
 
 void checkName(const std::string& name) {
   if (name.empty()) throw InputError("name", "is empty");
@@ -83,7 +82,7 @@ std::shared_ptr<MeshForm> makeMeshForm(std::shared_ptr<ControlMesh> mesh, std::s
     for (const auto& [key, list] : frames.cast<py::dict>()) {
       const int frame = key.cast<int>();
       const std::string place = "frames[" + std::to_string(frame) + "]";
-      if (frame < 0 || frame > kLastFrame) throw InputError(place, "is no frame number");
+      if (std::abs(frame) > kLastFrame) throw InputError(place, "is no frame number");
       form.frames[frame] = formValues(py::reinterpret_borrow<py::object>(list), place, count);
     }
     if (form.frames.empty()) throw InputError("frames", "are empty");

@@ -3,24 +3,35 @@
 
 #include <pybind11/stl.h>
 
-#include <octet/converters/vdb/bake.h>
+#include <octet/converters/io/frames.h>
+#include <octet/converters/vdb/merge_vdb.h>
 #include <octet/converters/vdb/wording.h>
 #include <octet/core/base/error.h>
 
+#include "../../choices.h"
 #include "bindings.h"
-#include "choices.h"
 #include "long_call.h"
 
 namespace octet::python {
 namespace {
+
+/// A list as farms write it, or numbers.
+using Frames = std::variant<std::monostate, std::string, std::vector<int>>;
+
+std::optional<std::vector<int>> framesOf(const Frames& frames) {
+  if (const auto* text = std::get_if<std::string>(&frames)) return parseFrames(*text);
+  if (const auto* numbers = std::get_if<std::vector<int>>(&frames)) return *numbers;
+  return std::nullopt;
+}
 
 BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
                      std::vector<std::string> forms, bool derivative, double voxelSize,
                      int resolution, std::optional<int> levels, const std::string& boundary,
                      const std::string& wallSurface, const std::string& grid,
                      const std::string& reconstruction, const std::string& target, bool half,
-                     bool project, const std::string& method,
-                     std::optional<std::pair<int, int>> frames, double zeta,
+                     bool project, const std::string& method, const Frames& frames,
+                     bool skipExisting, const std::optional<std::array<double, 6>>& region,
+                     std::optional<std::pair<int, int>> shard, double zeta,
                      const py::object& progress) {
   BakeOptions options;
   options.forms = std::move(forms);
@@ -30,17 +41,22 @@ BakeReport bakeAsset(const ControlAsset& asset, const std::string& path,
   options.levels = levels;
   options.boundary = boundaryChoice(boundary, true);
   options.wallSurface = wallSurfaceChoice(wallSurface);
-  options.sampling = choose<Sampling>(
-      "grid", grid, {{"collocated", Sampling::Collocated}, {"staggered", Sampling::Staggered}});
+  options.sampling = choose("grid", grid, samplingChoices());
   options.reconstruction = reconstructionChoice(reconstruction);
   options.target = target;
   options.half = half;
   options.project = project;
-  options.method = choose<BakeMethod>("method", method,
-                                      {{"auto", BakeMethod::Auto},
-                                       {"conservative", BakeMethod::Conservative},
-                                       {"samples", BakeMethod::Samples}});
-  options.frames = frames;
+  options.method = choose("method", method, methodChoices());
+  options.frames = framesOf(frames);
+  options.skipExisting = skipExisting;
+  if (region) {
+    options.region.emplace();
+    for (int k = 0; k < 3; ++k) {
+      options.region->min[k] = (*region)[static_cast<std::size_t>(k)];
+      options.region->max[k] = (*region)[static_cast<std::size_t>(k) + 3];
+    }
+  }
+  if (shard) options.shard = Shard{shard->first, shard->second};
   options.zeta = zeta;
   const Context context = contextOf(progress);
   return withoutGil([&] { return bake(asset, options, path, context); });
@@ -93,19 +109,24 @@ void bindReport(py::module_& module) {
   py::class_<BakedFile>(module, "BakedFile", py::module_local(), "One file of a bake.")
       .def_readonly("path", &BakedFile::path, "Where it is.")
       .def_readonly("frame", &BakedFile::frame, "Its frame number; None when not animated.")
-      .def_readonly("grids", &BakedFile::grids, "A GridInfo for each grid.");
+      .def_readonly("grids", &BakedFile::grids,
+                    "A GridInfo for each grid; none of a file that was skipped.")
+      .def_readonly("skipped", &BakedFile::skipped,
+                    "Was it there already, complete and from the same asset and options?");
   py::class_<BakeReport>(module, "BakeReport", py::module_local(), "What a bake did.")
       .def_readonly("levels", &BakeReport::levels, "Number of subdivisions.")
       .def_readonly("cells", &BakeReport::cells, "Number of cells at the finest level.")
       .def_readonly("voxel_size", &BakeReport::voxelSize, "Voxel size, world units.")
       .def_readonly("mean_edge", &BakeReport::meanEdge, "Mean fine edge, world units.")
       .def_readonly("note", &BakeReport::note, "What the target's importer has to do.")
+      .def_readonly("part", &BakeReport::part, "\"shard 2 of 7\" or \"region\"; empty: the whole.")
       .def_readonly("files", &BakeReport::files, "A BakedFile for each file.");
 }
 
 }  // namespace
 
 void bindBake(py::module_& module) {
+  module.attr("targets") = py::tuple(py::cast(namesOf(targetChoices())));
   bindGridInfo(module);
   bindReport(module);
   module.def("bake", &bakeAsset, py::arg("asset"), py::arg("path"), py::kw_only(),
@@ -115,10 +136,13 @@ void bindBake(py::module_& module) {
              py::arg("grid") = "collocated", py::arg("reconstruction") = "limit",
              py::arg("target") = "openvdb", py::arg("half") = false, py::arg("project") = false,
              py::arg("method") = "auto", py::arg("frames") = py::none(),
-             py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
+             py::arg("skip_existing") = false, py::arg("region") = py::none(),
+             py::arg("shard") = py::none(), py::arg("zeta") = kDefaultZeta,
+             py::arg("progress") = py::none(),
              R"(Bakes an asset's forms into OpenVDB grids, one per form.
 
-path:           the .vdb to write; an animated asset becomes a sequence name.0001.vdb
+path:           the .vdb to write; of an animated asset "name.####.vdb", where "@@@@", "%04d", "$F4"
+                and "<frame>" mean the frame, too; without any ".####" goes before the ending
 forms:          names of forms; all by default
 derivative:     bake the forms' exterior derivatives: the velocity of a vector potential
 voxel_size:     world units; or
@@ -129,16 +153,34 @@ boundary:       "auto", "walls" or "open"; for comparison, the thesis' methods: 
 wall_surface:   "smooth", or "loop": exactly Loop's surface
 grid:           "collocated" or "staggered"
 reconstruction: "limit" or "whitney"
-target:         "openvdb", "blender", "houdini", "arnold" or "renderman"
+target:         the program that reads the grids: one of octetvdb.targets
 half:           store 16-bit floats
 project:        replace forms that are not closed by the nearest closed ones
 method:         "auto", "conservative" (vectors without discrete divergence or curl, or an error)
                 or "samples"
-frames:         first and last frame of an animated asset; all by default
+frames:         of an animated asset: a list such as "1-10x2" or "1,3,7-9", or numbers; all by
+                default
+skip_existing:  leave files that are complete and from the same asset and options
+region:         bake only the leaves that this box meets, world units of the asset: (x0, y0, z0,
+                x1, y1, z1)
+shard:          (i, n): bake only part i of n, of about equal work, from 1 to n; merge() joins them
 zeta:           free weight of the octahedron's linear rule
 progress:       called as progress(stage, done, total, unit); returning False raises Cancelled
 
-Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, Cancelled.)");
+Files appear complete or not at all. Releases the GIL. Raises InputError, IoError, MemoryError,
+Cancelled.)");
+  module.def(
+      "merge",
+      [](const std::vector<std::string>& parts, const std::string& path,
+         const py::object& progress) {
+        const Context context = contextOf(progress);
+        return withoutGil([&] { return mergeVdb(parts, path, context); });
+      },
+      py::arg("parts"), py::arg("path"), py::kw_only(), py::arg("progress") = py::none(),
+      R"(Joins the shards of a bake to the .vdb that it would have been without them; a BakedFile.
+
+parts: the .vdb of each shard, in any order; of an animation, those of one frame
+Releases the GIL. Raises InputError, IoError, MemoryError, Cancelled.)");
   module.def(
       "read_grid_info",
       [](const std::string& path) {

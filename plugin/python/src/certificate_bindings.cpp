@@ -33,7 +33,9 @@ operator reads are active. Grids saved as 16-bit floats are measured as such.)")
       .def_readonly("outflow", &Certificate::outflow, "Net flux out of the active voxels.")
       .def_readonly("throughflow", &Certificate::throughflow,
                     "Sum of the absolute fluxes through their border.")
-      .def_readonly("half", &Certificate::half, "Saved as 16-bit floats?");
+      .def_readonly("half", &Certificate::half, "Saved as 16-bit floats?")
+      .def_readonly("partial", &Certificate::partial,
+                    "Of a part of a grid, where it knows what is around a voxel?");
   py::class_<VerifiedGrid>(module, "VerifiedGrid", py::module_local(),
                            "A vector grid of a .vdb, or three float grids that make one.")
       .def_readonly("name", &VerifiedGrid::name, "Its name.")

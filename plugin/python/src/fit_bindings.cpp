@@ -4,9 +4,9 @@
 #include <octet/core/base/error.h>
 #include <octet/core/fit/fit.h>
 
+#include "../../choices.h"
 #include "arrays.h"
 #include "bindings.h"
-#include "choices.h"
 #include "long_call.h"
 
 namespace octet::python {

@@ -6,9 +6,8 @@
 
 #include <octet/version.h>
 
-#include "../../boundary_choices.h"
+#include "../../choices.h"
 #include "bindings.h"
-#include "choices.h"
 #include "errors.h"
 
 namespace octet::python {
@@ -22,9 +21,7 @@ BoundaryRows wallSurfaceChoice(const std::string& name) {
 }
 
 Reconstruction reconstructionChoice(const std::string& name) {
-  return choose<Reconstruction>(
-      "reconstruction", name,
-      {{"limit", Reconstruction::Limit}, {"whitney", Reconstruction::Whitney}});
+  return choose("reconstruction", name, reconstructionChoices());
 }
 
 namespace {

@@ -2,10 +2,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <octet/converters/io/frames.h>
 #include <octet/converters/picture/picture.h>
 #include <octet/core/base/error.h>
 
-#include "choices.h"
+#include "../../choices.h"
 #include "errors.h"
 #include "long_call.h"
 
@@ -64,7 +65,8 @@ void preview(const py::object& source, const std::string& path, const std::strin
   options.labels = labels;
   const Context context = contextOf(progress);
   const Subject subject = subjectOf(source, form, levels, frame, context.sub(0.5));
-  withoutGil([&] { writePicture(subject, options, path, context); });
+  const std::string file = outputAt(path, frame);
+  withoutGil([&] { writePicture(subject, options, file, context); });
 }
 
 }  // namespace
@@ -87,7 +89,7 @@ PYBIND11_MODULE(_pictures, module) {
              R"(Draws a slice or a 3d view of a form or grid, as a PNG.
 
 source:   a ControlAsset, or the name of a .vdb by any program
-path:     the .png to write; appears complete or not at all
+path:     the .png to write, "####" in its name means the frame; appears complete or not at all
 form:     name of the form or grid; the first vector by default
 view:     "slice" or "3d"
 style:    "auto"; slices: "plain", "lic", "arrows"; 3d: "plain", "arrows", "streamlines"

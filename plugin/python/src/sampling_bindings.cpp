@@ -4,8 +4,8 @@
 #include <octet/converters/vdb_sampling/sample_velocity.h>
 #include <octet/core/base/error.h>
 
+#include "../../choices.h"
 #include "bindings.h"
-#include "choices.h"
 #include "long_call.h"
 
 namespace octet::python {
@@ -13,18 +13,6 @@ namespace {
 
 /// As many corrections as the command takes.
 constexpr int kMostCorrections = 20;
-
-/// "units/s" and the like.
-void readUnit(const std::string& unit, VelocityReadOptions* read) {
-  using Unit = std::pair<bool, bool>;  // voxels, per frame
-  const auto [voxels, perFrame] = choose<Unit>("velocity_unit", unit,
-                                               {{"units/s", {false, false}},
-                                                {"units/frame", {false, true}},
-                                                {"voxels/s", {true, false}},
-                                                {"voxels/frame", {true, true}}});
-  read->voxels = voxels;
-  read->perFrame = perFrame;
-}
 
 py::tuple sample(const ControlAsset& asset, const std::vector<std::string>& paths,
                  const std::string& name, int degree, bool closed, const std::string& boundary,
@@ -41,14 +29,12 @@ py::tuple sample(const ControlAsset& asset, const std::vector<std::string>& path
   options.name = name;
   options.degree = degree;
   options.closed = closed;
-  options.boundary = choose<BoundaryRule>("boundary_flux", boundary,
-                                          {{"free", BoundaryRule::Free},
-                                           {"keep", BoundaryRule::Keep},
-                                           {"zero", BoundaryRule::Zero},
-                                           {"obstacles", BoundaryRule::ZeroInside}});
+  options.boundary = choose("boundary_flux", boundary, boundaryFluxChoices());
   options.corrections = corrections;
   options.read.grid = grid;
-  readUnit(unit, &options.read);
+  const VelocityUnit counted = choose("velocity_unit", unit, velocityUnitChoices());
+  options.read.voxels = counted.voxels;
+  options.read.perFrame = counted.perFrame;
   options.read.framesPerSecond = asset.units.framesPerSecond;
   options.read.scale = scale;
   options.levels = levels;
@@ -90,7 +76,8 @@ Relative numbers refer to the root mean square speed of the source.)")
              py::arg("zeta") = kDefaultZeta, py::arg("progress") = py::none(),
              R"(Turns velocity grids of .vdb files into a form on an asset's cage.
 
-paths:         one file for a constant form, several, numbered, for an animated one
+paths:         one file for a constant form, several, numbered, for an animated one; a name such as
+    "vel.####.vdb" stands for all files that are there
 name:          of the form; replaces one of that name
 degree:        2: fluxes through facets; 1: circulations along edges
 closed:        take the nearest form without divergence (degree 2) or curl (1)

@@ -375,7 +375,7 @@ def broken_forms():
         "frame_named_by_text": changed(moving, "forms", 0, "frames", "two", to=[1.0, 2.0]),
         "frame_named_by_fraction": changed(moving, "forms", 0, "frames", "1.5", to=[1.0, 2.0]),
         "frame_named_by_nothing": changed(moving, "forms", 0, "frames", "", to=[1.0, 2.0]),
-        "frame_negative": changed(moving, "forms", 0, "frames", "-1", to=[1.0, 2.0]),
+        "frame_long_before_zero": changed(moving, "forms", 0, "frames", "-10000000", to=[1.0, 2.0]),
         "frame_huge": changed(moving, "forms", 0, "frames", "99999999999", to=[1.0, 2.0]),
         "frame_twice": changed(moving, "forms", 0, "frames", "02", to=[1.0, 2.0]),
         "frame_key_twice": changed(moving, "forms", 0, "frames",
