@@ -89,7 +89,7 @@ class Merge(unittest.TestCase):
         (grid,) = json.loads(self.succeed("info", part, "--json"))["grids"]
         self.assertEqual(grid["metadata"]["octet_part"], "shard 1 of 2")
         self.assertEqual(grid["metadata"]["octet_certificate"], "partial")
-        self.assertEqual(len(grid["metadata"]["octet_part_of"]), 32)
+        self.assertEqual(len(grid["metadata"]["octet_part_of"]), 36)
         text = self.succeed("bake", BOX, "-o", self.path("r.vdb"), "--form", "velocity",
                             "--levels", 1, "--resolution", 40, "--region", 0.1, 0.1, 0.1, 0.5, 0.5, 0.5)
         self.assertIn("\nregion\n", text)
