@@ -82,6 +82,14 @@ double foreseenLeaves(const BakeOptions& options, const MeshFacts& facts, double
   return leaves;
 }
 
+/// "950", "12 million".
+std::string inWords(double count) {
+  char text[32];
+  const bool many = count >= 1e6;
+  std::snprintf(text, sizeof text, count < 1e15 ? "%.0f" : "%.3g", many ? count / 1e6 : count);
+  return text + std::string(many ? " million" : "");
+}
+
 bool isVector(int degree) { return degree == 1 || degree == 2; }
 
 bool limitFields(const BakeOptions& options, const RefinementFacts& refinement) {
@@ -170,15 +178,10 @@ int largestResolution(const BakeOptions& options, const MeshFacts& facts, double
 void checkMemory(const ResolutionPlan& plan, const BakeOptions& options, const MeshFacts& facts,
                  double memory) {
   if (plan.bytes() <= memory) return;
-  const auto millions = [](double n) {
-    char text[32];
-    std::snprintf(text, sizeof text, n < 1e15 ? "%.0f million " : "%.3g million ", n / 1e6);
-    return std::string(text);
-  };
   const int most = largestResolution(options, facts, memory);
   throw MemoryError(options.voxelSize != 0 ? "voxel size" : "resolution",
-                    "about " + millions(plan.voxels) + "voxels and " + millions(plan.cells) +
-                        "cells, of " + std::to_string(plan.levels) + " levels, need up to " +
+                    "about " + inWords(plan.voxels) + " voxels and " + inWords(plan.cells) +
+                        " cells, of " + std::to_string(plan.levels) + " levels, need up to " +
                         inGigabytes(plan.bytes()) + " of memory; there are " + inGigabytes(memory) +
                         "; " +
                         (most > 0 ? "the largest resolution that fits is " + std::to_string(most)
