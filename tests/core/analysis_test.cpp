@@ -202,8 +202,9 @@ void expectClosed(const Refiner& refiner, int level, Index vertex, BoundaryMode 
       }
     }
   }
-  const double size = std::max(1.0, after.cwiseAbs().maxCoeff());
-  EXPECT_LT((local.matrix<K>() * before - after).cwiseAbs().maxCoeff(), 1e-12 * size)
+  const Eigen::MatrixXd matrix = local.matrix<K>();
+  const double size = (matrix.cwiseAbs() * before.cwiseAbs()).maxCoeff();
+  EXPECT_LT((matrix * before - after).cwiseAbs().maxCoeff(), 1e-12 * size)
       << "vertex " << vertex << " degree " << K;
 }
 
