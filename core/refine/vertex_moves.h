@@ -63,7 +63,7 @@ void StarMoves::add(const StarPaths& paths, int a, const Weights& weights) {
   if (begin.empty()) begin.push_back(0);
   children.push_back(paths.place(a));
   for (std::size_t e = 0; e < sums.size(); ++e) {
-    if (sums[e] != 0) terms.push_back({paths.edges()[e], sums[e]});
+    if (std::abs(sums[e]) > kNoMove) terms.push_back({paths.edges()[e], sums[e]});
   }
   begin.push_back(terms.size());
 }

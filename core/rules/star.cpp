@@ -113,11 +113,12 @@ Eigen::MatrixXd starMatrix(const Star& star, int first) {
   return builder.take();
 }
 
-Eigen::VectorXd limitWeights(Eigen::MatrixXd matrix) {
-  // What is not constant shrinks at least by a few per cent a level: nothing of it is left.
-  constexpr int kSquarings = 12;
-  for (int k = 0; k < kSquarings; ++k) matrix = (matrix * matrix).eval();
-  return matrix.row(0);
+Eigen::VectorXd limitWeights(const Eigen::MatrixXd& matrix) {
+  const Eigen::Index n = matrix.rows();
+  Eigen::MatrixXd equations(n + 1, n);
+  equations.topRows(n) = matrix.transpose() - Eigen::MatrixXd::Identity(n, n);
+  equations.row(n).setOnes();
+  return equations.colPivHouseholderQr().solve(Eigen::VectorXd::Unit(n + 1, n));
 }
 
 Eigen::MatrixXd invariantSubspace(const Eigen::MatrixXd& matrix, double above) {

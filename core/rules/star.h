@@ -40,8 +40,8 @@ bool adjacentToCentre(const Star& star, int label);
 Eigen::MatrixXd starMatrix(const Star& star, int first = 0);
 
 /// @brief Computes the weights of a star's vertices in the limit at m: the left eigenvector of the
-/// star's matrix for the eigenvalue 1, whose sum is 1. All other eigenvalues must be smaller.
-Eigen::VectorXd limitWeights(Eigen::MatrixXd matrix);
+/// star's matrix for the simple eigenvalue 1, whose sum is 1.
+Eigen::VectorXd limitWeights(const Eigen::MatrixXd& matrix);
 
 /// Computes an orthonormal basis of the invariant subspace of a real matrix for all eigenvalues
 /// whose modulus is above a bound.

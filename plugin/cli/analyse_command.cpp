@@ -9,6 +9,7 @@
 #include <octet/core/analysis/local_subdivision.h>
 #include <octet/core/analysis/spectrum.h>
 #include <octet/core/base/error.h>
+#include <octet/core/refine/interior_moves.h>
 
 #include "commands.h"
 #include "console.h"
@@ -151,6 +152,7 @@ void run(Arguments& arguments) {
   const LocalSubdivision local(refiner, arguments.level, arguments.vertex, arguments.options);
   if (arguments.degrees.empty()) arguments.degrees = {0, 1, 2};
   const Complex& star = local.star();
+  const bool folds = starFolds(IrregularStars(refiner.complex(arguments.level)), arguments.vertex);
   Json report = {{"asset", asset.name},
                  {"vertex", arguments.vertex},
                  {"level", arguments.level},
@@ -158,6 +160,7 @@ void run(Arguments& arguments) {
                  {"zeta", arguments.options.zeta},
                  {"tetrahedra", star.tetCount()},
                  {"octahedra", star.octCount()},
+                 {"folds", folds},
                  {"degrees", Json::array()}};
   for (const int degree : arguments.degrees) {
     report["degrees"].push_back(degree == 0   ? analyse<0>(local, arguments)
@@ -171,6 +174,8 @@ void run(Arguments& arguments) {
   std::printf("vertex %d of level %d, type %s: %d tetrahedra, %d octahedra; zeta %g\n",
               arguments.vertex, arguments.level, typeName(local.type()), star.tetCount(),
               star.octCount(), arguments.options.zeta);
+  if (folds)
+    std::printf("its shape folds when subdivision settles it: cells beside it turn over\n");
   for (const Json& entry : report["degrees"]) print(entry);
 }
 

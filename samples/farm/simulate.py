@@ -91,19 +91,36 @@ def schedule(costs, frames, shards, slots, cells, voxels, link, server, latency=
     return seconds, farm.moved, farm.busy / max(seconds, 1e-9)
 
 
-def bake_once(octetvdb, out, levels, resolution):
-    """Processor seconds of one thread, cells and voxels of a bake of the box."""
-    box = os.path.join(SAMPLES, "box", "box.octet.json")
+def timed(*command):
+    """Processor seconds of a command on one thread, and the document that it prints."""
     before = os.times()
-    done = subprocess.run(
-        [octetvdb, "bake", box, "--form", "velocity", "--grid", "staggered", "--threads", "1",
-         "--levels", str(levels), "--resolution", str(resolution), "-o", out, "--json", "--progress",
-         "none"], check=True, capture_output=True, text=True)
+    done = subprocess.run([*map(str, command), "--threads", "1", "--json", "--progress", "none"],
+                          check=True, capture_output=True, text=True)
     after = os.times()
-    report = json.loads(done.stdout)
     return (after.children_user + after.children_system - before.children_user
-            - before.children_system, report["cells"],
-            report["files"][0]["grids"][0]["active_voxels"])
+            - before.children_system, json.loads(done.stdout))
+
+
+def bake_once(octetvdb, out, levels, resolution, *more):
+    """Processor seconds, cells and voxels of a bake of the box."""
+    box = os.path.join(SAMPLES, "box", "box.octet.json")
+    seconds, report = timed(octetvdb, "bake", box, "--form", "velocity", "--grid", "staggered",
+                            "--levels", levels, "--resolution", resolution, "-o", out, *more)
+    return seconds, report["cells"], report["files"][0]["grids"][0]["active_voxels"]
+
+
+def merge_per_byte(octetvdb, folder):
+    """Processor seconds of a merge, by the bytes of what comes out, less those of a small one."""
+    took = {}
+    for resolution in (24, 160):
+        parts = [os.path.join(folder, f"part{k}.vdb") for k in (1, 2)]
+        for k, part in enumerate(parts, 1):
+            bake_once(octetvdb, part, 2, resolution, "--shard", f"{k}/2")
+        whole = os.path.join(folder, "whole.vdb")
+        seconds, _ = timed(octetvdb, "merge", *parts, "-o", whole)
+        took[os.path.getsize(whole)] = seconds
+    (small, first), (large, last) = sorted(took.items())
+    return (last - first) / (large - small)
 
 
 def measure(octetvdb):
@@ -119,11 +136,12 @@ def measure(octetvdb):
             rows.append([1, cells, voxels])
             seconds.append(took)
             size.append(os.path.getsize(out))
+        merging = merge_per_byte(octetvdb, folder)
     rows, weights = np.array(rows), 1 / np.array(seconds)
     solved = np.linalg.lstsq(rows * weights[:, None], np.ones(len(rows)), rcond=None)[0]
     start, per_cell, per_voxel = np.maximum(solved, 0)
     return {"start": round(float(start), 3), "per_cell": float(f"{per_cell:.3g}"),
-            "per_voxel": float(f"{per_voxel:.3g}"), "merge_per_byte": 0.0,
+            "per_voxel": float(f"{per_voxel:.3g}"), "merge_per_byte": float(f"{merging:.3g}"),
             "bytes_per_voxel": round(sum(size) / rows[:, 2].sum(), 2),
             "largest_relative_miss": round(float(np.abs(rows @ solved * weights - 1).max()), 3)}
 

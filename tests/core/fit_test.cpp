@@ -145,7 +145,7 @@ TEST(Fit, KeepsSpeedOfItsGuides) {
       field.sample(p, &v);
       fastest = std::max(fastest, v.norm());
     }
-    EXPECT_LT(fastest, 1.2) << (closed ? "closed" : "open");
+    EXPECT_LT(fastest, 1.25) << (closed ? "closed" : "open");
     EXPECT_GT(fastest, 0.95);
   }
 }
