@@ -385,13 +385,13 @@ ControlAsset readControlAsset(const std::string& path) {
   }
 }
 
-void writeControlAsset(const ControlAsset& asset, const std::string& path) {
+void writeControlAsset(const ControlAsset& asset, const std::string& path, const Context& context) {
   const Complex& complex = *asset.mesh.complex();
   std::vector<std::array<Index, 2>> creases;
   for (Index e = 0; e < complex.edgeCount(); ++e) {
     if (complex.edgeFlags[e] & kOnCrease) creases.push_back(complex.edges[e]);
   }
-  DocumentWriter out(path, DocumentWriter::formatFor(path));
+  DocumentWriter out(path, DocumentWriter::formatFor(path), context);
   out.beginObject(11);
   out.key("octet");
   out.value(std::int64_t{1});

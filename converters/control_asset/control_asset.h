@@ -54,8 +54,9 @@ struct ControlAsset {
 ControlAsset readControlAsset(const std::string& path);
 
 /// Writes a control asset, as CBOR when the name ends in `.octet`. The file appears complete or not
-/// at all.
-void writeControlAsset(const ControlAsset& asset, const std::string& path);
+/// at all. @throws IoError, Cancelled
+void writeControlAsset(const ControlAsset& asset, const std::string& path,
+                       const Context& context = {});
 
 /// Coefficients of a form of degree K on the control mesh. A frame that the form lacks takes the
 /// nearest earlier one (the first, before all); `frame` is ignored for a constant form.

@@ -256,7 +256,7 @@ DocumentValue readDocument(const std::string& path, const DocumentKind& kind) {
 // ---- writing ------------------------------------------------------------------------------------
 
 struct DocumentWriter::Output {
-  Output(const std::string& path, Format f) : file(path), format(f) {
+  Output(const std::string& path, Format f, const Context& c) : context(c), file(path), format(f) {
     stream = std::fopen(file.temporaryPath().c_str(), "wb");
     if (!stream) throw IoError(path, std::string("cannot be written: ") + std::strerror(errno));
     name = path;
@@ -295,10 +295,17 @@ struct DocumentWriter::Output {
     std::fwrite(bytes, 1, static_cast<std::size_t>(n), stream);
   }
 
+  void poll() {
+    constexpr std::size_t kArraysPerPoll = 1024;
+    if (++arrays % kArraysPerPoll == 0) context.poll();
+  }
+
+  const Context context;  // of the call that made the writer
   AtomicFile file;
   std::string name;
   Format format;
   std::FILE* stream = nullptr;
+  std::size_t arrays = 0;
   bool needsComma = false;
 };
 
@@ -307,8 +314,8 @@ DocumentWriter::Format DocumentWriter::formatFor(const std::string& path) {
   return extension == ".octet" || extension == ".cbor" ? Format::Cbor : Format::Json;
 }
 
-DocumentWriter::DocumentWriter(const std::string& path, Format format)
-    : out_(std::make_unique<Output>(path, format)) {}
+DocumentWriter::DocumentWriter(const std::string& path, Format format, const Context& context)
+    : out_(std::make_unique<Output>(path, format, context)) {}
 DocumentWriter::~DocumentWriter() = default;
 
 void DocumentWriter::beginObject(std::size_t members) {
@@ -319,6 +326,7 @@ void DocumentWriter::endObject() {
   if (out_->format == Format::Json) out_->close('}');
 }
 void DocumentWriter::beginArray(std::size_t elements) {
+  out_->poll();
   if (out_->format == Format::Cbor) return out_->head(4, elements);
   out_->open('[');
 }

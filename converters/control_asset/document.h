@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include <octet/core/base/context.h>
+
 namespace octet {
 
 struct DocumentValue;
@@ -78,7 +80,8 @@ class DocumentWriter {
   static Format formatFor(const std::string& path);
 
   /// The file appears under its name only after `close`.
-  DocumentWriter(const std::string& path, Format format);
+  /// @param context  polled while arrays are written
+  DocumentWriter(const std::string& path, Format format, const Context& context = {});
   ~DocumentWriter();
 
   void beginObject(std::size_t members);

@@ -251,7 +251,7 @@ class TetrahedraFill {
     dropUnused(onBoundary, &input);
     input.creases = boundary_.creases;
     input.corners = boundary_.corners;
-    return ControlMesh::build(std::move(input));
+    return ControlMesh::build(std::move(input), context_);
   }
 
   /// Drops vertices inside that no tetrahedron has.

@@ -89,13 +89,13 @@ class Fitting {
     for (int attempt = 0;; ++attempt) {
       ControlMeshInput input =
           fillLattice(bounds_, distanceWithout(), lattice_, &report->lattice, context_.sub(0.1));
-      const ControlMesh filled = ControlMesh::build(input);
+      const ControlMesh filled = ControlMesh::build(input, context_);
       input.vertices = fitBoundary(
           filled, filled.positions(),
           [&](const Vec3& p, Index) { return closest_.find(p).position; }, fit_,
           &report->fit.emplace(), context_.sub(0.2));
       std::vector<Index> around = report->fit->offSurface;
-      const auto overlap = findOverlap(*filled.complex(), input.vertices);
+      const auto overlap = findOverlap(*filled.complex(), input.vertices, context_);
       if (overlap) {
         for (const Index cell : {overlap->cell, overlap->other}) {
           appendBoundary(*filled.complex(), cell, &around);
@@ -110,7 +110,7 @@ class Fitting {
       }
       if (again) continue;
       followSharpEdges(filled, &input, report);
-      return ControlMesh::build(std::move(input));
+      return ControlMesh::build(std::move(input), context_);
     }
   }
 
@@ -156,7 +156,7 @@ class Fitting {
       if (bad.empty() && !worse) break;
       letGo(bad, &features);
     }
-    if (findOverlap(c, x)) return;
+    if (findOverlap(c, x, context_)) return;
     fit.meanBefore = report->fit->meanBefore;
     fit.maxBefore = report->fit->maxBefore;
     report->fit = fit;
@@ -269,10 +269,11 @@ ControlMesh fillSurface(const TriangleSurface& surface, const FillOptions& optio
   lattice.spacing = options.spacing;
   lattice.depth = options.depth;
   const SignedDistance distance = distanceTo(layers, options.spacing, context);
-  ControlMesh mesh = options.fitBoundary
-                         ? Fitting(surface, distance, lattice, options, context).run(&done)
-                         : ControlMesh::build(fillLattice(surface.bounds(), distance, lattice,
-                                                          &done.lattice, context));
+  ControlMesh mesh =
+      options.fitBoundary
+          ? Fitting(surface, distance, lattice, options, context).run(&done)
+          : ControlMesh::build(
+                fillLattice(surface.bounds(), distance, lattice, &done.lattice, context), context);
   if (report) *report = done;
   return mesh;
 }

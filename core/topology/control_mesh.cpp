@@ -53,8 +53,9 @@ struct FacetUse {
 
 class Builder {
  public:
-  Builder(ControlMeshInput input, Complex* complex, std::vector<Index>* corners)
-      : in_(std::move(input)), c_(*complex), corners_(*corners) {}
+  Builder(ControlMeshInput input, Complex* complex, std::vector<Index>* corners,
+          const Context& context)
+      : in_(std::move(input)), c_(*complex), corners_(*corners), context_(context) {}
 
   Array<Vec3> run() {
     checkVertices();
@@ -66,13 +67,13 @@ class Builder {
     c_.vertexTypes.assign(in_.vertices.size(), VertexType::X3);
     c_.tets = std::move(in_.tets);
     c_.octs = std::move(in_.octs);
-    numberFacets();
-    numberEdges();
-    orientCells();
-    joinCells();
-    buildStars();
-    markBoundary();
-    markCreases();
+    for (const auto part :
+         {&Builder::numberFacets, &Builder::numberEdges, &Builder::orientCells, &Builder::joinCells,
+          &Builder::buildStars, &Builder::markBoundary, &Builder::markCreases}) {
+      context_.poll();
+      (this->*part)();
+    }
+    context_.poll();
     if (in_.cellRegions.empty()) {
       findLatticeRegions(&c_);
     } else {
@@ -81,7 +82,7 @@ class Builder {
     }
     classifyVertices();
     if (!in_.cellSigns.empty()) return std::move(in_.vertices);
-    if (const auto overlap = findOverlap(c_, in_.vertices)) {
+    if (const auto overlap = findOverlap(c_, in_.vertices, context_)) {
       throw InputError(ControlMesh::cellName(c_, overlap->cell),
                        "overlaps " + ControlMesh::cellName(c_, overlap->other));
     }
@@ -146,7 +147,9 @@ class Builder {
     parallelFor<Index>(t, [&](Index k) { collect<Tetrahedron>(c_.tets[k], k, &uses[4 * k]); });
     parallelFor<Index>(
         o, [&](Index k) { collect<Octahedron>(c_.octs[k], t + k, &uses[4 * t + 8 * k]); });
+    context_.poll();
     tbb::parallel_sort(uses.begin(), uses.end());
+    context_.poll();
     c_.tetFacets.resize(t);
     c_.octFacets.resize(o);
     for (std::size_t k = 0; k < uses.size(); ++k) {
@@ -172,7 +175,9 @@ class Builder {
     for (const auto& [a, b, c] : facetVertices_) {
       for (const auto& edge : {std::array{a, b}, {b, c}, {a, c}}) c_.edges.push_back(edge);
     }
+    context_.poll();
     tbb::parallel_sort(c_.edges.begin(), c_.edges.end());
+    context_.poll();
     c_.edges.erase(std::unique(c_.edges.begin(), c_.edges.end()), c_.edges.end());
     c_.edges.shrink_to_fit();
     c_.edgeFlags.assign(c_.edges.size(), kOnControlEdge);
@@ -385,6 +390,7 @@ class Builder {
   ControlMeshInput in_;
   Complex& c_;
   std::vector<Index>& corners_;
+  const Context& context_;
   Array<std::array<Index, 3>> facetVertices_;
 };
 
@@ -406,10 +412,10 @@ double cellVolume6(const Complex& complex, const Array<Vec3>& positions, Index c
   return volume;
 }
 
-ControlMesh ControlMesh::build(ControlMeshInput input) {
+ControlMesh ControlMesh::build(ControlMeshInput input, const Context& context) {
   ControlMesh mesh;
   auto complex = std::make_shared<Complex>();
-  mesh.positions_ = Builder(std::move(input), complex.get(), &mesh.corners_).run();
+  mesh.positions_ = Builder(std::move(input), complex.get(), &mesh.corners_, context).run();
   mesh.complex_ = std::move(complex);
   return mesh;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "../base/context.h"
 #include "complex.h"
 
 namespace octet {
@@ -35,8 +36,8 @@ class ControlMesh {
  public:
   /// @throws InputError naming the place ("tetrahedra[3]") and the reason: index out of range,
   /// repeated vertex, non-finite number, degenerate or overlapping cells, a facet of three cells,
-  /// a crease that is no boundary edge.
-  static ControlMesh build(ControlMeshInput input);
+  /// a crease that is no boundary edge. Cancelled
+  static ControlMesh build(ControlMeshInput input, const Context& context = {});
 
   const Array<Vec3>& positions() const { return positions_; }
   const std::shared_ptr<const Complex>& complex() const { return complex_; }

@@ -101,12 +101,13 @@ class OverlapFinder {
     octParts_.push_back(parts_.size());
   }
 
-  std::optional<Overlap> run() const {
+  std::optional<Overlap> run(const Context& context) const {
     // The lowest cell that overlaps an earlier one, so that the message does not depend on threads.
     const Index cells = c_.cellCount();
     const Index first = tbb::parallel_reduce(
         tbb::blocked_range<Index>(0, cells, 64), cells,
         [&](const tbb::blocked_range<Index>& range, Index best) {
+          context.poll();
           for (Index k = range.begin(); k != range.end() && k < best; ++k) {
             if (earlierOverlap(k) != kNone) return k;
           }
@@ -170,8 +171,12 @@ class OverlapFinder {
 
 }  // namespace
 
-std::optional<Overlap> findOverlap(const Complex& complex, const Array<Vec3>& positions) {
-  return OverlapFinder(complex, positions).run();
+std::optional<Overlap> findOverlap(const Complex& complex, const Array<Vec3>& positions,
+                                   const Context& context) {
+  context.poll();
+  const OverlapFinder finder(complex, positions);
+  context.poll();
+  return finder.run(context);
 }
 
 }  // namespace octet

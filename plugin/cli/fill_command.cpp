@@ -45,7 +45,7 @@ Box boxOf(const Arguments& arguments) {
 
 Json fillBox(const Arguments& arguments, ControlMesh* mesh) {
   const Box box = boxOf(arguments);
-  *mesh = ControlMesh::build(boxCage(box, arguments.fill.spacing));
+  *mesh = ControlMesh::build(boxCage(box, arguments.fill.spacing), consoleContext());
   return {{"body_volume", box.size().prod()}};
 }
 
@@ -150,7 +150,7 @@ void run(Arguments& arguments) {
   }
   asset.units = arguments.units;
   summary.update(describeMesh(asset.mesh));
-  writeControlAsset(asset, arguments.output);
+  writeControlAsset(asset, arguments.output, consoleContext());
   if (arguments.json) {
     std::cout << text(summary) << "\n";
   } else {

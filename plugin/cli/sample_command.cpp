@@ -81,7 +81,7 @@ void run(Arguments& arguments) {
   if (arguments.framesPerSecond > 0) asset.units.framesPerSecond = arguments.framesPerSecond;
   options.read.framesPerSecond = asset.units.framesPerSecond;
   const SampleReport report = sampleVelocity(&asset, arguments.sources, options, consoleContext());
-  writeControlAsset(asset, arguments.output);
+  writeControlAsset(asset, arguments.output, consoleContext());
   const std::uint64_t bytes = std::filesystem::file_size(arguments.output);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

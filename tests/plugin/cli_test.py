@@ -5,6 +5,7 @@ that are complete or not there. Arguments: the octetvdb command."""
 import contextlib
 import hashlib
 import json
+import math
 import os
 import pty
 import re
@@ -564,6 +565,42 @@ class Interrupted(Case):
         for name in ("a.json", "a.octet"):
             self.interrupt("write document +[0-9]", ("refine", BOX, "-o", self.path(name), "--levels",
                                                   "4"))
+
+    def test_at_any_moment_of_a_fill(self):
+        """A million cells: distances, lattice, mesh, document. None goes on for two seconds."""
+        fills = (("fill", "--box", "0", "0", "0", "1", "1", "1", "--spacing", "0.017"),
+                 ("fill", self.sphere(), "--spacing", "0.02"))
+        for fill in fills:
+            stopped = 0
+            for delay in (0.3, 0.7, 1.2, 2, 3, 4, 5, 6):
+                process = OCTETVDB.start(*fill, "-o", self.path("a.octet"))
+                time.sleep(delay)
+                if process.poll() is not None:
+                    process.communicate()
+                    break
+                self.assertLess(command.stop(process), 2, (fill, delay))
+                self.assertIn(process.returncode, (0, 128 + signal.SIGTERM))
+                stopped += process.returncode != 0
+            self.assertGreater(stopped, 1, fill)
+
+    def sphere(self):
+        """A surface around (0, 0, 0) of radius 1, of 20 000 triangles."""
+        path, n = self.path("sphere.obj"), 100
+        self.addCleanup(os.remove, path)
+        with open(path, "w") as file:
+            file.write("v 0 0 1\nv 0 0 -1\n")
+            for i in range(1, n):
+                for j in range(n):
+                    a, b = math.pi * i / n, 2 * math.pi * j / n
+                    file.write(f"v {math.sin(a) * math.cos(b)} {math.sin(a) * math.sin(b)} "
+                               f"{math.cos(a)}\n")
+            at = lambda i, j: 3 + (i - 1) * n + j % n
+            for j in range(n):
+                file.write(f"f 1 {at(1, j)} {at(1, j + 1)}\n")
+                file.write(f"f 2 {at(n - 1, j + 1)} {at(n - 1, j)}\n")
+                for i in range(1, n - 1):
+                    file.write(f"f {at(i, j)} {at(i + 1, j)} {at(i + 1, j + 1)} {at(i, j + 1)}\n")
+        return path
 
     def test_what_was_there_before_stays(self):
         with open(self.path("a.vdb"), "w") as file:

@@ -2,6 +2,8 @@
 """What the tests of the real command share: running it, and folders that must stay empty."""
 import concurrent.futures
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -39,6 +41,24 @@ class Command:
         """Built with AddressSanitizer: slower, and memory cannot be limited."""
         with open(self.path, "rb") as file:
             return b"__asan_init" in file.read()
+
+
+def processor_seconds(pid):
+    """What a process has used so far, its threads together."""
+    with open(f"/proc/{pid}/stat") as file:
+        fields = file.read().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def stop(process, sent=signal.SIGTERM):
+    """Sends a signal and waits for the end: how much processor time that took, which says the same
+    on a busy machine."""
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before = processor_seconds(process.pid)
+    process.send_signal(sent)
+    process.communicate(timeout=TIME_LIMIT)
+    now = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return now.ru_utime + now.ru_stime - ended.ru_utime - ended.ru_stime - before
 
 
 def from_arguments():
