@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "../refine/interior_moves.h"
+#include "../refine/interior_limits.h"
 
 namespace octet {
 

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "../base/parallel.h"
+#include "interior_limits.h"
 #include "solved_stars.h"
 #include "twin_stars.h"
 
