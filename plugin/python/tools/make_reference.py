@@ -21,7 +21,8 @@ GROUPS = {
               "CurlNoise", "nearest_closed", "Fit", "FitResult", "FitReport", "GuideCurve",
               "GuideVector", "GuideReport", "GuideConflict", "sample_velocity", "SampledFrame"],
     "Fields": ["Refiner", "Field", "streamlines", "spaced_points"],
-    "Grids": ["bake", "BakeReport", "BakedFile", "GridInfo", "targets", "read_grid_info", "verify",
+    "Grids": ["bake", "BakeReport", "BakedFile", "merge", "GridInfo", "targets", "read_grid_info",
+              "verify",
               "VerifiedGrid", "Certificate"],
     "Else": [],
 }
