@@ -28,8 +28,9 @@ options=("$@")
 [[ " $* " == *" --resolution"* || " $* " == *" --voxel-size"* ]] || options+=(--resolution 128)
 
 install_packages "${BUILD_PACKAGES[@]}"
-cmake --preset release -DOCTETVDB_BUILD_TESTS=OFF -DOCTETVDB_BUILD_BENCHMARKS=OFF >/dev/null
-cmake --build --preset release --target octetvdb octetvdb-gmsh
+preset=${OCTETVDB_PRESET:-release}  # as for tests/run.sh
+cmake --preset "$preset" -DOCTETVDB_BUILD_TESTS=OFF -DOCTETVDB_BUILD_BENCHMARKS=OFF >/dev/null
+cmake --build --preset "$preset" --target octetvdb octetvdb-gmsh
 
 mkdir -p out
 for asset in "${assets[@]}"; do

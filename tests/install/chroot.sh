@@ -46,7 +46,7 @@ cp "$debs"/*.deb "$root/debs/"
 rm -f "$root"/etc/dpkg/dpkg.cfg.d/docker
 
 say "apt-get install $(cd "$root/debs" && ls -m)"
-enter 'apt-get update -qq; apt-get install -y -qq --no-install-recommends /debs/*.deb man-db \
+enter 'apt-get update -qq; apt-get install -y -qq --reinstall --no-install-recommends /debs/*.deb man-db \
   bash-completion g++ cmake ninja-build >/tmp/apt.log 2>&1 || { tail -50 /tmp/apt.log; exit 1; }'
 enter 'dpkg-query -W "*octetvdb*"'
 

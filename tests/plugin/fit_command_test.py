@@ -53,7 +53,7 @@ class Fit(unittest.TestCase):
         out = self.path("out.octet.json")
         if os.path.exists(out):
             os.remove(out)
-        result = subprocess.run([OCTETVDB, "fit", self.path("cage.octet.json"), *arguments, "-o", out,
+        result = subprocess.run([OCTETVDB, "--progress", "none", "fit", self.path("cage.octet.json"), *arguments, "-o", out,
                                  "--json"], capture_output=True, text=True)
         self.assertEqual(result.returncode, code, result.stderr)
         if code:

@@ -84,7 +84,7 @@ class Preview(unittest.TestCase):
         return os.path.join(self.folder.name, name)
 
     def run_preview(self, *arguments):
-        return subprocess.run([OCTETVDB, "preview", *arguments], capture_output=True, text=True)
+        return subprocess.run([OCTETVDB, "--progress", "none", "preview", *arguments], capture_output=True, text=True)
 
     def preview(self, source, *options, out="out.exr"):
         result = self.run_preview(source, "-o", self.path(out), *options)
@@ -355,7 +355,7 @@ class Preview(unittest.TestCase):
         before = sorted(os.listdir(self.folder.name))
         for options in (("a.png", "--view", "3d", "--width", "16000", "--height", "9000"),
                         ("a.exr", "--stack", "1000", "--width", "2000", "--height", "2000")):
-            process = subprocess.Popen([OCTETVDB, "preview", path, "-o", self.path(options[0]),
+            process = subprocess.Popen([OCTETVDB, "--progress", "none", "preview", path, "-o", self.path(options[0]),
                                         *options[1:]], stderr=subprocess.PIPE)
             time.sleep(1.5)
             self.assertIsNone(process.poll(), "work that long should not be done")

@@ -84,7 +84,7 @@ class Sample(unittest.TestCase):
 
     def run_sample(self, *arguments, code=0):
         result = subprocess.run(
-            [OCTETVDB, "sample", self.path("cage.octet.json"), *arguments, "-o",
+            [OCTETVDB, "--progress", "none", "sample", self.path("cage.octet.json"), *arguments, "-o",
              self.path("out.octet.json"), "--json"], capture_output=True, text=True)
         self.assertEqual(result.returncode, code, result.stderr)
         if code:
@@ -258,7 +258,7 @@ class Sample(unittest.TestCase):
 
     def test_sigterm_ends_it_soon(self):
         process = subprocess.Popen(
-            [OCTETVDB, "sample", self.path("cage.octet.json"), self.tile(), "-o",
+            [OCTETVDB, "--progress", "none", "sample", self.path("cage.octet.json"), self.tile(), "-o",
              self.path("out.octet.json")], stderr=subprocess.DEVNULL)
         time.sleep(1)
         self.assertLess(command.stop(process), 2)

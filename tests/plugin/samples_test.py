@@ -139,7 +139,8 @@ class Samples(unittest.TestCase):
         bake = subprocess.run([OCTETVDB, "bake", f"{SAMPLES}/box/box.octet.json", "-o", out,
                                "--resolution", "50000"], capture_output=True, text=True)
         self.assertEqual(bake.returncode, 33, bake.stderr)
-        self.assertRegex(bake.stderr, r"levels: \d+ would make .* memory; there are [\d.]+ GB")
+        self.assertRegex(bake.stderr, r"resolution: .* memory; there are [\d.]+ GB; "
+                                       r"the largest resolution that fits is \d+")
         self.assertEqual(os.listdir(self.folder.name), [])
 
 

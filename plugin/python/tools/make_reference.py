@@ -21,8 +21,9 @@ GROUPS = {
               "CurlNoise", "nearest_closed", "Fit", "FitResult", "FitReport", "GuideCurve",
               "GuideVector", "GuideReport", "GuideConflict", "sample_velocity", "SampledFrame"],
     "Fields": ["Refiner", "Field", "streamlines", "spaced_points"],
-    "Grids": ["bake", "merge", "BakeReport", "BakedFile", "GridInfo", "targets", "read_grid_info",
-              "verify", "VerifiedGrid", "Certificate"],
+    "Grids": ["bake", "BakeReport", "BakedFile", "merge", "GridInfo", "targets", "read_grid_info",
+              "verify",
+              "VerifiedGrid", "Certificate"],
     "Else": [],
 }
 
@@ -59,10 +60,29 @@ def words(thing):
     return "\n".join(lines).strip()
 
 
+def broken(call):
+    """A call on lines of its own for each argument, where it is long."""
+    if len(call) <= 100:
+        return call
+    tree = ast.parse(f"def {call}: ...").body[0]
+    text = ast.unparse(tree.args)
+    parts, depth, part = [], 0, ""
+    for c in text:
+        depth += (c in "[(") - (c in "])")
+        if c == "," and depth == 0:
+            parts.append(part.strip())
+            part = ""
+        else:
+            part += c
+    inner = "".join(f"    {p},\n" for p in [*parts, part.strip()])
+    result = f" -> {ast.unparse(tree.returns)}" if tree.returns else ""
+    return f"{tree.name}(\n{inner}){result}"
+
+
 def described(name, text, sign=""):
     out = f"### {name}\n\n"
     if sign:
-        out += f"```python\n{name}{sign}\n```\n\n"
+        out += f"```python\n{broken(name + sign)}\n```\n\n"
     # As it stands: columns of parameters keep their places.
     return out + f"```text\n{text}\n```\n\n" if text else out
 
