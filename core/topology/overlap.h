@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "../base/context.h"
 #include "complex.h"
 
 namespace octet {
