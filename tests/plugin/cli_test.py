@@ -567,7 +567,7 @@ class Interrupted(Case):
                                                   "4"))
 
     def test_at_any_moment_of_a_fill(self):
-        """A million cells: distances, lattice, mesh, document. None goes on for two seconds."""
+        """A million cells: distances, lattice, mesh, document. None goes on for long."""
         fills = (("fill", "--box", "0", "0", "0", "1", "1", "1", "--spacing", "0.017"),
                  ("fill", self.sphere(), "--spacing", "0.02"))
         for fill in fills:
@@ -578,7 +578,7 @@ class Interrupted(Case):
                 if process.poll() is not None:
                     process.communicate()
                     break
-                self.assertLess(command.stop(process), 2, (fill, delay))
+                self.assertLess(command.stop(process), command.AT_ONCE, (fill, delay))
                 self.assertIn(process.returncode, (0, 128 + signal.SIGTERM))
                 stopped += process.returncode != 0
             self.assertGreater(stopped, 1, fill)

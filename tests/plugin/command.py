@@ -11,6 +11,7 @@ import tempfile
 DATA = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "data")
 SAMPLES = os.path.join(DATA, "..", "..", "samples")
 PREFIX = "octetvdb: "
+AT_ONCE = 6  # seconds: two on a machine at rest, and what other tests take of a loaded one
 TIME_LIMIT = 300  # seconds; a hang is a failure
 
 

@@ -261,7 +261,7 @@ class Sample(unittest.TestCase):
             [OCTETVDB, "--progress", "none", "sample", self.path("cage.octet.json"), self.tile(), "-o",
              self.path("out.octet.json")], stderr=subprocess.DEVNULL)
         time.sleep(1)
-        self.assertLess(command.stop(process), 2)
+        self.assertLess(command.stop(process), command.AT_ONCE)
         self.assertEqual(process.returncode, 128 + signal.SIGTERM)
         self.assertFalse(os.path.exists(self.path("out.octet.json")))
 
