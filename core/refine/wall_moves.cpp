@@ -76,12 +76,10 @@ class WallRing {
     const int n = boundary_.valence(row_);
     LabelledWallStar result;
     result.wall.valence = n;
-    result.wall.corner = boundary_.kinds[row_] == BoundaryKind::Corner;
     std::vector<Index> first, cells;
     for (int k = 0; k < n; ++k) {
       const EdgeRef edge = ring[((start + turn * k) % n + n) % n].edge;
       first.push_back(c_.edges[edge.index()][edge.reversed() ? 0 : 1]);
-      result.wall.creases.push_back(c_.edgeFlags[edge.index()] & kOnCrease ? 1 : 0);
       // The facet that follows the edge in the direction of the walk.
       const int at = turn > 0 ? start + k : start - k - 1;
       const auto& sides = c_.facetCells[ring[(at % n + n) % n].facet];
@@ -101,6 +99,7 @@ class WallRing {
 
 /// What one boundary vertex asks of the children around it; rows may be claimed by others too.
 StarMoves claims(const Complex& coarse, const Boundary& boundary, Index row) {
+  if (boundary.kinds[row] != BoundaryKind::Smooth) return {};
   const WallRing ring(coarse, boundary, row);
   if (!ring.closes() || ring.regular()) return {};
   const std::optional<LabelledWallStar> labelled = ring.canonical();

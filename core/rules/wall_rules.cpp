@@ -36,35 +36,22 @@ Eigen::MatrixXd wallStarMatrix(const WallStar& wall) {
   Eigen::MatrixXd matrix = starMatrix(wall.star, n + 1);
   for (int k = 0; k < n; ++k) {
     const int label = k + 1;
-    matrix(label, 0) = matrix(label, label) = wall.creases[k] ? 1.0 / 2 : 3.0 / 8;
-    if (wall.creases[k]) continue;
+    matrix(label, 0) = matrix(label, label) = 3.0 / 8;
     matrix(label, (k + 1) % n + 1) += 1.0 / 8;
     matrix(label, (k + n - 1) % n + 1) += 1.0 / 8;
   }
-  if (wall.corner) {
-    matrix(0, 0) = 1;
-  } else if (wall.smooth()) {
-    matrix(0, 0) = 1 - n * loopBeta(n);
-    for (int k = 1; k <= n; ++k) matrix(0, k) = loopBeta(n);
-  } else {
-    matrix(0, 0) = 3.0 / 4;
-    for (int k = 0; k < n; ++k) {
-      if (wall.creases[k]) matrix(0, k + 1) = 1.0 / 8;
-    }
-  }
+  matrix(0, 0) = 1 - n * loopBeta(n);
+  for (int k = 1; k <= n; ++k) matrix(0, k) = loopBeta(n);
   return matrix;
 }
 
 /// @brief Moves of the inside of a star whose wall is known: the leading eigenvalue of the inside's
-/// own block goes to 1/2 (where asked), others above a bound are scaled down to it.
+/// own block goes to 1/2, others above a bound are scaled down to it.
 class InsideAssignment {
  public:
   /// @param matrix  of the star, wall moves included; labels 0..n are the wall
-  InsideAssignment(Eigen::MatrixXd matrix, int valence, bool moveLeading)
-      : matrix_(std::move(matrix)),
-        wall_(valence + 1),
-        inside_(matrix_.rows() - wall_),
-        moveLeading_(moveLeading) {}
+  InsideAssignment(Eigen::MatrixXd matrix, int valence)
+      : matrix_(std::move(matrix)), wall_(valence + 1), inside_(matrix_.rows() - wall_) {}
 
   /// The moves, zero on wall rows; nothing where there is nothing to move.
   std::optional<Eigen::MatrixXd> moves() const {
@@ -94,10 +81,8 @@ class InsideAssignment {
     std::sort(moduli.begin(), moduli.end(), std::greater<>());
     std::size_t count = static_cast<std::size_t>(std::count_if(
         moduli.begin() + 1, moduli.end(), [](double x) { return x > kInsideElsewhere + 1e-9; }));
-    if (moveLeading_ || moduli[0] > kInsideElsewhere + 1e-9) ++count;
-    if (count == 0 || (moveLeading_ && count == 1 && std::abs(moduli[0] - kLeading) < 1e-9)) {
-      return -1;
-    }
+    ++count;
+    if (count == 1 && std::abs(moduli[0] - kLeading) < 1e-9) return -1;
     while (count < moduli.size() && moduli[count - 1] - moduli[count] < kTie) ++count;
     return count < moduli.size() ? (moduli[count - 1] + moduli[count]) / 2 : 0;
   }
@@ -111,9 +96,8 @@ class InsideAssignment {
       if (std::abs(values[k]) > std::abs(values[leading]) + kTie) leading = k;
     }
     for (Eigen::Index k = 0; k < values.size(); ++k) {
-      values[k] = moveLeading_ && k == leading
-                      ? std::complex<double>(kLeading)
-                      : values[k] * std::min(1.0, kInsideElsewhere / std::abs(values[k]));
+      values[k] = k == leading ? std::complex<double>(kLeading)
+                               : values[k] * std::min(1.0, kInsideElsewhere / std::abs(values[k]));
     }
     const Eigen::MatrixXcd vectors = eigen.eigenvectors();
     return (vectors * values.asDiagonal() * vectors.inverse()).real();
@@ -152,7 +136,6 @@ class InsideAssignment {
 
   /// The projection on the mode that goes to 1/2.
   Eigen::MatrixXd normalMode(const Eigen::MatrixXd& ofInside) const {
-    if (!moveLeading_) return Eigen::MatrixXd::Zero(inside_, inside_);
     const Eigen::MatrixXd moved = matrix_.bottomRightCorner(inside_, inside_) + ofInside;
     const auto vectorAtLeading = [](const Eigen::MatrixXd& of) {
       const Eigen::EigenSolver<Eigen::MatrixXd> eigen(of);
@@ -171,7 +154,6 @@ class InsideAssignment {
 
   Eigen::MatrixXd matrix_;
   Eigen::Index wall_, inside_;
-  bool moveLeading_;
 };
 
 /// @brief The star of a point m inside a smooth wall edge with k tetrahedra, in the names of
@@ -304,13 +286,8 @@ std::pair<int, int> kindAt(const Star& star, int ringEdge) {
 
 }  // namespace
 
-bool WallStar::smooth() const {
-  return !corner && std::none_of(creases.begin(), creases.end(), [](auto c) { return c != 0; });
-}
-
 bool WallStar::operator<(const WallStar& other) const {
-  return std::tie(valence, corner, creases, star) <
-         std::tie(other.valence, other.corner, other.creases, other.star);
+  return std::tie(valence, star) < std::tie(other.valence, other.star);
 }
 
 double smoothWallBeta(int valence) {
@@ -335,10 +312,9 @@ Eigen::MatrixXd wallStarMoves(const WallStar& wall) {
   const int n = wall.valence;
   const Star& star = wall.star;
   Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(star.vertexCount, star.vertexCount);
-  const bool smooth = wall.smooth();
-  if (smooth && n != kRegularValence) addSurfaceMoves(n, &moves);
+  if (n != kRegularValence) addSurfaceMoves(n, &moves);
   if (star.vertexCount <= n + 1) return moves;
-  if (smooth && n == kRegularValence) {
+  if (n == kRegularValence) {
     std::vector<int> bad;
     for (int k = 0; k < n; ++k) {
       if (kindAt(star, k) != std::pair{1, 1}) bad.push_back(k);
@@ -348,7 +324,7 @@ Eigen::MatrixXd wallStarMoves(const WallStar& wall) {
       if (const auto named = wallEdgeStar(star, bad[0])) return wallEdgeMoves(star, *named);
     }
   }
-  const auto inside = InsideAssignment(wallStarMatrix(wall) + moves, n, smooth).moves();
+  const auto inside = InsideAssignment(wallStarMatrix(wall) + moves, n).moves();
   if (!inside || !inside->allFinite() || inside->cwiseAbs().maxCoeff() > kLargestWeight ||
       inside->rowwise().sum().cwiseAbs().maxCoeff() > kRowSum) {
     return moves;

@@ -18,14 +18,11 @@
 
 namespace octet {
 
-/// @brief Describes the star of a boundary vertex: labels 1..valence are its ring.
+/// @brief Describes the star of a smooth boundary vertex: labels 1..valence are its ring.
 struct WallStar {
   Star star;
-  int valence = 0;                    ///< n, the number of wall edges at m
-  bool corner = false;                ///< m stays where it is
-  std::vector<std::uint8_t> creases;  ///< 1 for every ring edge that is a crease, from label 1 on
+  int valence = 0;  ///< n, the number of wall edges at m
 
-  bool smooth() const;
   bool operator<(const WallStar& other) const;
 };
 

@@ -204,7 +204,7 @@ class Preview(unittest.TestCase):
         image = Image(self.preview(path, "--form", "tiles", "--width", "16", "--height", "16"))
         self.assertTrue(all(p["tiles"] == 7 and p["A"] == 1 for p in image.pixels.values()))
         self.refuse(BAD_INPUT, ["mask", "bool"], path, "-o", self.path("a.png"), "--form", "mask")
-        self.refuse(BAD_INPUT, ["\"smoke\"", "\"mask\", \"density\", \"tiles\", \"wind\""], path, "-o",
+        self.refuse(BAD_INPUT, ["\"smoke\"", "it has mask, density, tiles, wind"], path, "-o",
                     self.path("a.png"), "--form", "smoke")
 
     def test_grids_that_hold_nothing_to_draw(self):

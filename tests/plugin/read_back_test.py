@@ -215,7 +215,7 @@ class ReadBack(unittest.TestCase):
         path, _ = self.bake("--reconstruction", "whitney")
         self.check_values(vdb.read(path, "height"), "Z", False, lambda p: (linear(p),))
         # The linear rule in an octahedron keeps constant fluxes only if it is affine.
-        self.check_values(vdb.read(path, "flow"), "Z", False, lambda p: FLOW, tolerance=0.2)
+        self.check_values(vdb.read(path, "flow"), "Z", False, lambda p: FLOW, tolerance=0.3)
 
     def test_vdb_print_agrees(self):
         path, report = self.bake("--target", "renderman", "--form", "flow")

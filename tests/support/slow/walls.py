@@ -3,7 +3,7 @@
 numbering, to check the library against. numpy only.
 
 A fine vertex is named by what it comes from: ("v", i) stays, ("e", frozenset of two) is a midpoint,
-("o", cell) a centre. moves(...) gives {fine vertex: {coarse vertex: weight}}: by how much each fine
+("o", cell) a centre. moves(claims(mesh)) gives {fine vertex: {coarse vertex: weight}}: by how much each fine
 vertex moves when the wall is smooth instead of Loop's, sum of weight times position.
 """
 import itertools
@@ -271,6 +271,8 @@ def star_moves(mesh, m):
     creases = [frozenset((m, r)) in mesh.creases for r in ring]
     corner = m in mesh.corners or sum(creases) not in (0, 2)
     smooth = not corner and not any(creases)
+    if not smooth:
+        return {}, ring
     index = {v: i for i, v in enumerate(vertices)}
     S, D = np.zeros((len(vertices),) * 2), np.zeros((len(vertices),) * 2)
     for v in vertices:
@@ -335,8 +337,9 @@ def star_moves(mesh, m):
             for v in vertices}, ring
 
 
-def moves(mesh):
-    claims = {}
+def claims(mesh):
+    """{wall vertex: {fine vertex: {coarse vertex: weight}}}: what each star asks for."""
+    result = {}
     for m in mesh.wall_at:
         rows, ring = star_moves(mesh, m)
         for v, row in rows.items():
@@ -349,11 +352,20 @@ def moves(mesh):
                 name = ("e", frozenset((m, v)))
             else:
                 name = ("o", next(k for k in mesh.star[m] if v in mesh.cells[k]))
-            claims.setdefault(name, []).append(row)
+            result.setdefault(m, {})[name] = row
+    return result
+
+
+def moves(asked):
+    """The mean of what stars ask for, asked as from claims()."""
+    rows = {}
+    for star in asked.values():
+        for name, row in star.items():
+            rows.setdefault(name, []).append(row)
     result = {}
-    for name, rows in claims.items():
+    for name, several in rows.items():
         total = result.setdefault(name, {})
-        for row in rows:
+        for row in several:
             for v, w in row.items():
-                total[v] = total.get(v, 0) + w / len(rows)
+                total[v] = total.get(v, 0) + w / len(several)
     return result
