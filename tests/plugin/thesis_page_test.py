@@ -51,10 +51,13 @@ class Page(unittest.TestCase):
             with open(os.path.join(self.folder.name, picture), "rb") as file:
                 self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n", picture)
 
-    def test_what_does_not_hold_is_said(self):
-        """Fluxes on extraordinary edges: see analysis_test; if a rule mends it, so must this."""
-        section = self.page[self.page.index('id="X2"'):]
-        self.assertIn("<b>does not hold:</b> 2-forms", section)
+    def test_what_holds_and_what_does_not_is_said(self):
+        """Fluxes on extraordinary edges: see analysis_test, which has their growth."""
+        section = self.page[self.page.index('id="X2"'):].split("<h2", 1)[0]
+        self.assertIn("<b>holds:</b> 2-forms, 3 to 12", section)
+        self.assertNotIn("<b>does not hold:</b>", section)
+        section = self.page[self.page.index('id="5.15"'):].split("<h2", 1)[0]
+        self.assertIn("<b>does not hold:</b>", section)
 
 
 if __name__ == "__main__":
